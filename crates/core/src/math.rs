@@ -1,0 +1,214 @@
+//! Transcendental functions, the only ones the project uses.
+//!
+//! The standard library's `sin`, `exp`, `ln` and `powf` differ in the last bit between processors and platforms. These
+//! do not: [`sin`], [`cos`] and [`sin_cos`] are polynomials of plain multiplications and additions (so that a loop over
+//! them vectorizes, and scalar and vector code agree bit for bit), the others come from the `libm` crate, a port of
+//! musl's. `sqrt` is exact by IEEE 754 and may be called anywhere.
+//!
+//! *Source*: range reduction after W. J. Cody and W. Waite, *Software Manual for the Elementary Functions*, 1980 (three
+//! parts of π/2); polynomials are those of FreeBSD's msun `k_sin.c` and `k_cos.c` (minimax on ±π/4, error < 2⁻⁵⁸).
+
+/// Beyond this magnitude (radians) the three-part reduction loses digits and `libm` takes over.
+const REDUCIBLE: f64 = 1.0e5;
+
+/// π/2 in three parts: the first two have 33 significant bits, so that `k · part` is exact for |k| < 2²⁰.
+const HALF_PI_1: f64 = 1.570_796_326_734_125_6;
+const HALF_PI_2: f64 = 6.077_100_506_303_966e-11;
+const HALF_PI_3: f64 = 2.022_266_248_795_950_7e-21;
+/// 1.5 · 2⁵²: adding and subtracting it rounds a small number to the nearest integer.
+const ROUNDER: f64 = 6_755_399_441_055_744.0;
+
+const SIN: [f64; 6] = [
+    -1.666_666_666_666_663_2e-1,
+    8.333_333_333_322_49e-3,
+    -1.984_126_982_985_795e-4,
+    2.755_731_370_707_006_8e-6,
+    -2.505_076_025_340_686_3e-8,
+    1.589_690_995_211_55e-10,
+];
+const COS: [f64; 6] = [
+    4.166_666_666_666_66e-2,
+    -1.388_888_888_887_411e-3,
+    2.480_158_728_947_673e-5,
+    -2.755_731_435_139_066_3e-7,
+    2.087_572_321_298_175e-9,
+    -1.135_964_755_778_819_5e-11,
+];
+
+/// Sine and cosine of a number with magnitude at most [`REDUCIBLE`]; branch-free.
+#[inline(always)]
+fn sin_cos_small(x: f64) -> (f64, f64) {
+    let shifted = x * core::f64::consts::FRAC_2_PI + ROUNDER;
+    let k = shifted - ROUNDER;
+    // The low bits of the shifted number's mantissa are the quadrant.
+    let quadrant = shifted.to_bits();
+    let r1 = x - k * HALF_PI_1;
+    let r2 = k * HALF_PI_2;
+    let r = r1 - r2;
+    // What the last two subtractions lost.
+    let tail = ((r1 - r) - r2) - k * HALF_PI_3;
+
+    let z = r * r;
+    let sin_poly = SIN[1] + z * (SIN[2] + z * (SIN[3] + z * (SIN[4] + z * SIN[5])));
+    let v = z * r;
+    let sin = r - ((z * (0.5 * tail - v * sin_poly) - tail) - v * SIN[0]);
+    let cos_poly = z * (COS[0] + z * (COS[1] + z * (COS[2] + z * (COS[3] + z * (COS[4] + z * COS[5])))));
+    let half = 0.5 * z;
+    let one = 1.0 - half;
+    let cos = one + (((1.0 - one) - half) + (z * cos_poly - r * tail));
+
+    let swap = quadrant & 1 == 1;
+    let (s, c) = (if swap { cos } else { sin }, if swap { sin } else { cos });
+    let s_sign = (quadrant & 2) << 62;
+    let c_sign = (quadrant.wrapping_add(1) & 2) << 62;
+    (f64::from_bits(s.to_bits() ^ s_sign), f64::from_bits(c.to_bits() ^ c_sign))
+}
+
+/// Sine and cosine of an angle in radians. NaN for infinite or NaN angles; error below one unit in the last place.
+#[inline]
+#[must_use]
+pub fn sin_cos(angle: f64) -> (f64, f64) {
+    if angle.abs() <= REDUCIBLE { sin_cos_small(angle) } else { (libm::sin(angle), libm::cos(angle)) }
+}
+
+/// Sines and cosines of a block of angles; equal to [`sin_cos`] bit for bit, and vectorizable.
+#[inline(always)]
+#[must_use]
+pub fn sin_cos_block<const N: usize>(angles: &[f64; N]) -> ([f64; N], [f64; N]) {
+    let mut sin = [0.0; N];
+    let mut cos = [0.0; N];
+    let mut small = true;
+    for lane in 0..N {
+        let (s, c) = sin_cos_small(angles[lane]);
+        sin[lane] = s;
+        cos[lane] = c;
+        small &= angles[lane].abs() <= REDUCIBLE;
+    }
+    if !small {
+        for lane in 0..N {
+            (sin[lane], cos[lane]) = sin_cos(angles[lane]);
+        }
+    }
+    (sin, cos)
+}
+
+/// Sine of an angle in radians.
+#[inline]
+#[must_use]
+pub fn sin(angle: f64) -> f64 {
+    sin_cos(angle).0
+}
+
+/// Cosine of an angle in radians.
+#[inline]
+#[must_use]
+pub fn cos(angle: f64) -> f64 {
+    sin_cos(angle).1
+}
+
+/// Tangent of an angle in radians.
+#[must_use]
+pub fn tan(angle: f64) -> f64 {
+    libm::tan(angle)
+}
+
+/// Angle of the vector `(x, y)` in radians, in (−π, π].
+#[must_use]
+pub fn atan2(y: f64, x: f64) -> f64 {
+    libm::atan2(y, x)
+}
+
+/// Arc cosine in radians of a number clamped to [−1, 1] first, so that rounding never makes NaN.
+#[must_use]
+pub fn acos(x: f64) -> f64 {
+    libm::acos(x.clamp(-1.0, 1.0))
+}
+
+/// Arc sine in radians of a number clamped to [−1, 1] first.
+#[must_use]
+pub fn asin(x: f64) -> f64 {
+    libm::asin(x.clamp(-1.0, 1.0))
+}
+
+/// The exponential `eˣ`.
+#[must_use]
+pub fn exp(x: f64) -> f64 {
+    libm::exp(x)
+}
+
+/// The natural logarithm.
+#[must_use]
+pub fn ln(x: f64) -> f64 {
+    libm::log(x)
+}
+
+/// `x` to the power `y`.
+#[must_use]
+pub fn pow(x: f64, y: f64) -> f64 {
+    libm::pow(x, y)
+}
+
+/// The cube root.
+#[must_use]
+pub fn cbrt(x: f64) -> f64 {
+    libm::cbrt(x)
+}
+
+/// `x` to a small whole power by repeated squaring: exact products only, hence the same everywhere.
+#[inline]
+#[must_use]
+pub fn powi(x: f64, mut n: u32) -> f64 {
+    let (mut base, mut result) = (x, 1.0);
+    while n > 0 {
+        if n & 1 == 1 {
+            result *= base;
+        }
+        base *= base;
+        n >>= 1;
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn units_off(a: f64, b: f64) -> f64 {
+        (a - b).abs() / (f64::EPSILON * b.abs().max(f64::MIN_POSITIVE))
+    }
+
+    #[test]
+    fn sine_and_cosine_agree_with_libm_to_an_ulp() {
+        let mut worst = 0.0_f64;
+        let mut x = -100.0;
+        while x < 100.0 {
+            let (s, c) = sin_cos(x);
+            worst = worst.max(units_off(s, libm::sin(x))).max(units_off(c, libm::cos(x)));
+            x += 0.001_234_567;
+        }
+        for k in -60_000..60_000 {
+            // Near multiples of π/2, where cancellation is worst.
+            let x = f64::from(k) * core::f64::consts::FRAC_PI_2;
+            let (s, c) = sin_cos(x);
+            worst = worst.max((s - libm::sin(x)).abs() / 1e-16).max((c - libm::cos(x)).abs() / 1e-16);
+        }
+        assert!(worst <= 1.2, "{worst} units in the last place");
+    }
+
+    #[test]
+    fn blocks_equal_scalars_bit_for_bit() {
+        let angles: [f64; 8] = [0.0, -0.0, 1.0, -2.5, 99_999.0, 1e6, -1e300, 0.3];
+        let (s, c) = sin_cos_block(&angles);
+        for lane in 0..8 {
+            assert_eq!(s[lane].to_bits(), sin(angles[lane]).to_bits());
+            assert_eq!(c[lane].to_bits(), cos(angles[lane]).to_bits());
+        }
+        assert!(sin_cos_block(&[f64::NAN, f64::INFINITY]).0.iter().all(|s| s.is_nan()));
+    }
+
+    #[test]
+    fn whole_powers() {
+        assert_eq!(powi(3.0, 5), 243.0);
+        assert_eq!(powi(0.0, 0), 1.0);
+    }
+}
