@@ -52,7 +52,8 @@ fn sin_cos_small(x: f64) -> (f64, f64) {
     let sin_poly = SIN[1] + z * (SIN[2] + z * (SIN[3] + z * (SIN[4] + z * SIN[5])));
     let v = z * r;
     let sin = r - ((z * (0.5 * tail - v * sin_poly) - tail) - v * SIN[0]);
-    let cos_poly = z * (COS[0] + z * (COS[1] + z * (COS[2] + z * (COS[3] + z * (COS[4] + z * COS[5])))));
+    let cos_poly =
+        z * (COS[0] + z * (COS[1] + z * (COS[2] + z * (COS[3] + z * (COS[4] + z * COS[5])))));
     let half = 0.5 * z;
     let one = 1.0 - half;
     let cos = one + (((1.0 - one) - half) + (z * cos_poly - r * tail));
@@ -61,14 +62,21 @@ fn sin_cos_small(x: f64) -> (f64, f64) {
     let (s, c) = (if swap { cos } else { sin }, if swap { sin } else { cos });
     let s_sign = (quadrant & 2) << 62;
     let c_sign = (quadrant.wrapping_add(1) & 2) << 62;
-    (f64::from_bits(s.to_bits() ^ s_sign), f64::from_bits(c.to_bits() ^ c_sign))
+    (
+        f64::from_bits(s.to_bits() ^ s_sign),
+        f64::from_bits(c.to_bits() ^ c_sign),
+    )
 }
 
 /// Sine and cosine of an angle in radians. NaN for infinite or NaN angles; error below one unit in the last place.
 #[inline]
 #[must_use]
 pub fn sin_cos(angle: f64) -> (f64, f64) {
-    if angle.abs() <= REDUCIBLE { sin_cos_small(angle) } else { (libm::sin(angle), libm::cos(angle)) }
+    if angle.abs() <= REDUCIBLE {
+        sin_cos_small(angle)
+    } else {
+        (libm::sin(angle), libm::cos(angle))
+    }
 }
 
 /// Sines and cosines of a block of angles; equal to [`sin_cos`] bit for bit, and vectorizable.
@@ -183,14 +191,18 @@ mod tests {
         let mut x = -100.0;
         while x < 100.0 {
             let (s, c) = sin_cos(x);
-            worst = worst.max(units_off(s, libm::sin(x))).max(units_off(c, libm::cos(x)));
+            worst = worst
+                .max(units_off(s, libm::sin(x)))
+                .max(units_off(c, libm::cos(x)));
             x += 0.001_234_567;
         }
         for k in -60_000..60_000 {
             // Near multiples of π/2, where cancellation is worst.
             let x = f64::from(k) * core::f64::consts::FRAC_PI_2;
             let (s, c) = sin_cos(x);
-            worst = worst.max((s - libm::sin(x)).abs() / 1e-16).max((c - libm::cos(x)).abs() / 1e-16);
+            worst = worst
+                .max((s - libm::sin(x)).abs() / 1e-16)
+                .max((c - libm::cos(x)).abs() / 1e-16);
         }
         assert!(worst <= 1.2, "{worst} units in the last place");
     }
@@ -203,7 +215,12 @@ mod tests {
             assert_eq!(s[lane].to_bits(), sin(angles[lane]).to_bits());
             assert_eq!(c[lane].to_bits(), cos(angles[lane]).to_bits());
         }
-        assert!(sin_cos_block(&[f64::NAN, f64::INFINITY]).0.iter().all(|s| s.is_nan()));
+        assert!(
+            sin_cos_block(&[f64::NAN, f64::INFINITY])
+                .0
+                .iter()
+                .all(|s| s.is_nan())
+        );
     }
 
     #[test]

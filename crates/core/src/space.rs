@@ -116,7 +116,14 @@ pub trait Space:
 
 /// A linear map of a [`Space`], a square matrix acting on columns.
 pub trait Linear<S: Space>:
-    Copy + Debug + PartialEq + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
+    Copy
+    + Debug
+    + PartialEq
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<f64, Output = Self>
 {
     /// The identity map.
     const IDENTITY: Self;
@@ -159,7 +166,9 @@ pub trait Linear<S: Space>:
             return None;
         }
         let inverse = scaled.cofactor().transposed() * (1.0 / determinant) * (1.0 / size);
-        (0..S::DIM).all(|i| inverse.column(i).is_finite()).then_some(inverse)
+        (0..S::DIM)
+            .all(|i| inverse.column(i).is_finite())
+            .then_some(inverse)
     }
 }
 
@@ -209,7 +218,10 @@ impl Linear<DVec2> for DMat2 {
     }
     #[inline]
     fn apply(&self, v: DVec2) -> DVec2 {
-        DVec2::new(self.x_axis.x * v.x + self.y_axis.x * v.y, self.x_axis.y * v.x + self.y_axis.y * v.y)
+        DVec2::new(
+            self.x_axis.x * v.x + self.y_axis.x * v.y,
+            self.x_axis.y * v.x + self.y_axis.y * v.y,
+        )
     }
     #[inline]
     fn after(&self, first: &Self) -> Self {
@@ -224,7 +236,10 @@ impl Linear<DVec2> for DMat2 {
         self.transpose()
     }
     fn cofactor(&self) -> Self {
-        DMat2::from_cols(DVec2::new(self.y_axis.y, -self.y_axis.x), DVec2::new(-self.x_axis.y, self.x_axis.x))
+        DMat2::from_cols(
+            DVec2::new(self.y_axis.y, -self.y_axis.x),
+            DVec2::new(-self.x_axis.y, self.x_axis.x),
+        )
     }
 }
 
@@ -252,7 +267,9 @@ impl Space for DVec3 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
     fn rotation(axis: Self, angle: f64) -> DMat3 {
-        let Some(k) = Space::normalized(axis) else { return DMat3::IDENTITY };
+        let Some(k) = Space::normalized(axis) else {
+            return DMat3::IDENTITY;
+        };
         let (sin, cos) = crate::math::sin_cos(angle);
         // Rodrigues: cos·I + sin·[k]× + (1 − cos)·k kᵀ.
         let cross = DMat3::from_cols(
@@ -317,7 +334,11 @@ mod tests {
     #[test]
     fn inverse_of_tiny_and_huge_regular_maps() {
         for size in [1e-150, 1.0, 1e150] {
-            let map = DMat3::from_cols(DVec3::new(2.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 0.5), DVec3::new(0.0, 0.3, 1.0)) * size;
+            let map = DMat3::from_cols(
+                DVec3::new(2.0, 1.0, 0.0),
+                DVec3::new(0.0, 1.0, 0.5),
+                DVec3::new(0.0, 0.3, 1.0),
+            ) * size;
             let back = Linear::inverted(&map).unwrap().after(&map);
             for i in 0..3 {
                 assert!((Linear::column(&back, i) - DVec3::unit(i)).length() < 1e-14);
@@ -331,14 +352,23 @@ mod tests {
     fn cofactor_is_determinant_times_inverse_transpose() {
         let map = DMat2::from_cols(DVec2::new(2.0, 1.0), DVec2::new(-3.0, 0.5));
         let expected = Linear::inverted(&map).unwrap().transpose() * Linear::determinant(&map);
-        assert!((map.cofactor() - expected).to_cols_array().iter().all(|e| e.abs() < 1e-14));
+        assert!(
+            (map.cofactor() - expected)
+                .to_cols_array()
+                .iter()
+                .all(|e| e.abs() < 1e-14)
+        );
     }
 
     #[test]
     fn rotation_turns_counter_clockwise() {
         let quarter = core::f64::consts::FRAC_PI_2;
-        assert!((DVec2::rotation(DVec2::ZERO, quarter).apply(DVec2::X) - DVec2::Y).length() < 1e-15);
-        assert!((DVec3::rotation(DVec3::Z * 7.0, quarter).apply(DVec3::X) - DVec3::Y).length() < 1e-15);
+        assert!(
+            (DVec2::rotation(DVec2::ZERO, quarter).apply(DVec2::X) - DVec2::Y).length() < 1e-15
+        );
+        assert!(
+            (DVec3::rotation(DVec3::Z * 7.0, quarter).apply(DVec3::X) - DVec3::Y).length() < 1e-15
+        );
         assert_eq!(DVec3::rotation(DVec3::ZERO, quarter), DMat3::IDENTITY);
     }
 

@@ -1,0 +1,391 @@
+//! Deformations: everything that moves sites.
+//!
+//! *Source*: Milliron et al. 2002, §3.1: `M̃(u) = D(u, M)⟨M(u)⟩`. Stacks, masks and inverses are deformations; a warp is
+//! a deformation with terms ([`crate::Warp`]).
+
+use crate::{Affine, Domain, Field, Linear, Site, Smoothness, Space, Support};
+
+/// Small facts about a deformation from which guarantees are derived. Every part declares its own; wrappers combine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Facts<S> {
+    /// Outside this set the deformation is exactly the identity.
+    pub support: Support<S>,
+    /// Continuity of the moved point inside the support.
+    pub inside: Smoothness,
+    /// Continuity of the moved point across the edge of the support (errata F3, F4). Equal to `inside` or better where
+    /// there is no edge.
+    pub edge: Smoothness,
+    /// All transformations are translations.
+    pub translations_only: bool,
+    /// Weights depend on the transformations (Wires: errata F9), so that a strength factor is no blend.
+    pub weights_follow_targets: bool,
+    /// Multiplying every strength by `m` equals blending the result, `p + m(D(p) − p)`: displacement scaling and weights
+    /// that ignore targets.
+    pub strength_blends: bool,
+    /// Sentences a report should carry: which limits are in force, where continuity is lost, what repairs it.
+    pub notes: Vec<String>,
+}
+
+impl<S: Space> Facts<S> {
+    /// The facts of the identity.
+    pub fn identity() -> Self {
+        Self {
+            support: Support::Nowhere,
+            inside: Smoothness::Smooth,
+            edge: Smoothness::Smooth,
+            translations_only: true,
+            weights_follow_targets: false,
+            strength_blends: true,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Continuity over the whole of space.
+    pub fn smoothness(&self) -> Smoothness {
+        self.inside.min(self.edge)
+    }
+
+    /// Adds a sentence for the report.
+    #[must_use]
+    pub fn with_note(mut self, note: impl Into<String>) -> Self {
+        self.notes.push(note.into());
+        self
+    }
+}
+
+/// Indices of sites that a deformation could not move: they stay where they were.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Unmapped {
+    indices: Vec<usize>,
+}
+
+impl Unmapped {
+    /// No site.
+    pub fn none() -> Self {
+        Self::default()
+    }
+    /// Whether every site was moved.
+    pub fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+    /// The indices, ascending where they were recorded in ascending order.
+    pub fn indices(&self) -> &[usize] {
+        &self.indices
+    }
+    /// Records a site.
+    pub fn push(&mut self, index: usize) {
+        self.indices.push(index);
+    }
+    /// Records all of another list.
+    pub fn append(&mut self, mut other: Self) {
+        self.indices.append(&mut other.indices);
+    }
+    /// Sorts the indices and drops repeated ones.
+    pub fn tidy(&mut self) {
+        self.indices.sort_unstable();
+        self.indices.dedup();
+    }
+}
+
+/// Something that moves sites.
+pub trait Deformation<S: Space>: Send + Sync {
+    /// The image of a site. Finite where the site is, unless a coordinate overflows.
+    fn map(&self, site: &Site<S>) -> S;
+
+    /// What is known about the deformation.
+    fn facts(&self) -> Facts<S>;
+
+    /// Whether the deformation is a function of space or of one model's indices.
+    fn domain(&self) -> Domain {
+        Domain::Space
+    }
+
+    /// Moves a run of points with indices `first`, `first + 1`, … in place and names those it could not move.
+    ///
+    /// The provided plain loop may be overridden by a kernel, which must give the same result for any way of cutting a
+    /// model into runs. Wrappers must forward it, or they silently lose the kernel.
+    fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+        for (i, point) in points.iter_mut().enumerate() {
+            *point = self.map(&Site::new(first + i, *point));
+        }
+        Unmapped::none()
+    }
+
+    /// The Jacobian: derivative of the image by the point. `size` is the model's size (diagonal of its bounds) in scene
+    /// units, to which the step of the provided central differences is relative. `None` where the deformation depends on
+    /// a field that lives on a model.
+    fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> {
+        difference_jacobian(self, site, size)
+    }
+}
+
+/// The step of central differences at `p` for a model of size `size`: the cube root of the machine epsilon times the
+/// size, which balances truncation (∝ step²) and cancellation (∝ 1/step); never so small that it drowns in `p`.
+pub fn difference_step<S: Space>(p: S, size: f64) -> f64 {
+    const CUBE_ROOT_OF_EPSILON: f64 = 6.055_454_452_393_343e-6;
+    let scale = if size > 0.0 && size.is_finite() {
+        size
+    } else {
+        1.0
+    };
+    CUBE_ROOT_OF_EPSILON * scale.max(p.largest() * 1e-4)
+}
+
+/// The Jacobian of any deformation by central differences; see [`Deformation::jacobian`]. Kept as the check of every
+/// analytic one.
+pub fn difference_jacobian<S: Space, D: Deformation<S> + ?Sized>(
+    deformation: &D,
+    site: &Site<S>,
+    size: f64,
+) -> Option<S::Linear> {
+    if deformation.domain() == Domain::Model {
+        return None;
+    }
+    let step = difference_step(site.point, size);
+    Some(S::Linear::from_columns(|i| {
+        let (fore, aft) = (
+            site.point + S::unit(i) * step,
+            site.point - S::unit(i) * step,
+        );
+        let width = fore.component(i) - aft.component(i);
+        (deformation.map(&Site::new(site.index, fore))
+            - deformation.map(&Site::new(site.index, aft)))
+            / width
+    }))
+}
+
+macro_rules! forward_deformation {
+    ($($pointer:ty),*) => {$(
+        impl<S: Space, D: Deformation<S> + ?Sized> Deformation<S> for $pointer {
+            fn map(&self, site: &Site<S>) -> S { (**self).map(site) }
+            fn facts(&self) -> Facts<S> { (**self).facts() }
+            fn domain(&self) -> Domain { (**self).domain() }
+            fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped { (**self).map_points(first, points) }
+            fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> { (**self).jacobian(site, size) }
+        }
+    )*};
+}
+forward_deformation!(&D, Box<D>, std::sync::Arc<D>);
+
+/// An affine map of the whole space is a deformation.
+impl<S: Space> Deformation<S> for Affine<S> {
+    fn map(&self, site: &Site<S>) -> S {
+        self.apply(site.point)
+    }
+    fn facts(&self) -> Facts<S> {
+        let support = if *self == Self::IDENTITY {
+            Support::Nowhere
+        } else {
+            Support::Everywhere
+        };
+        Facts {
+            support,
+            translations_only: self.linear == S::Linear::IDENTITY,
+            ..Facts::identity()
+        }
+    }
+    fn jacobian(&self, _: &Site<S>, _: f64) -> Option<S::Linear> {
+        Some(self.linear)
+    }
+}
+
+/// Deformations applied one after the other, the first of the list first. Site indices stay; points move on.
+pub struct Stack<S: Space> {
+    parts: Vec<Box<dyn Deformation<S>>>,
+}
+
+impl<S: Space> Stack<S> {
+    /// The stack of the given parts; an empty one is the identity.
+    pub fn new(parts: Vec<Box<dyn Deformation<S>>>) -> Self {
+        Self { parts }
+    }
+    /// The parts, first applied first.
+    pub fn parts(&self) -> &[Box<dyn Deformation<S>>] {
+        &self.parts
+    }
+}
+
+impl<S: Space> Deformation<S> for Stack<S> {
+    fn map(&self, site: &Site<S>) -> S {
+        self.parts.iter().fold(site.point, |point, part| {
+            part.map(&Site::new(site.index, point))
+        })
+    }
+
+    fn facts(&self) -> Facts<S> {
+        let mut moving = self.parts.iter().map(Deformation::facts);
+        let Some(mut facts) = moving.next() else {
+            return Facts::identity();
+        };
+        let mut alone = true;
+        for next in moving {
+            alone = false;
+            // A later part sees moved points: its edge lies somewhere inside, so only the weaker class is known.
+            let class = facts.smoothness().min(next.smoothness());
+            facts.inside = class;
+            facts.edge = class;
+            facts.support = match (facts.support, next.support) {
+                (s, Support::Nowhere) | (Support::Nowhere, s) => s,
+                // Points outside the first support are unmoved when the second sees them.
+                (a, b) => a.union(b),
+            };
+            facts.translations_only &= next.translations_only;
+            facts.weights_follow_targets |= next.weights_follow_targets;
+            facts.strength_blends = false;
+            facts.notes.extend(next.notes);
+        }
+        if !alone {
+            facts.strength_blends = false;
+        }
+        facts
+    }
+
+    fn domain(&self) -> Domain {
+        self.parts
+            .iter()
+            .map(Deformation::domain)
+            .max()
+            .unwrap_or(Domain::Space)
+    }
+
+    fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+        let mut unmapped = Unmapped::none();
+        // In cache-sized runs, so that a deep stack reads memory once.
+        for (run, chunk) in points.chunks_mut(RUN).enumerate() {
+            for part in &self.parts {
+                unmapped.append(part.map_points(first + run * RUN, chunk));
+            }
+        }
+        unmapped.tidy();
+        unmapped
+    }
+
+    fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> {
+        let mut here = *site;
+        let mut product = S::Linear::IDENTITY;
+        for part in &self.parts {
+            product = part.jacobian(&here, size)?.after(&product);
+            here.point = part.map(&here);
+        }
+        Some(product)
+    }
+}
+
+/// Points in a run that wrappers process at a time: 12 KiB of 3-D points, half of a small first-level cache.
+pub(crate) const RUN: usize = 512;
+
+/// A deformation blended with the identity by a field `m`: `p + m (D(p) − p)`. Exactly `p` where `m = 0`, exactly
+/// `D(p)` where `m = 1`.
+pub struct Masked<S: Space> {
+    deformation: Box<dyn Deformation<S>>,
+    mask: Box<dyn Field<S>>,
+}
+
+impl<S: Space> Masked<S> {
+    /// Blends `deformation` by `mask`, a field evaluated on the points before the deformation.
+    pub fn new(deformation: Box<dyn Deformation<S>>, mask: Box<dyn Field<S>>) -> Self {
+        Self { deformation, mask }
+    }
+}
+
+/// `p + m (moved − p)`, exact at 0 and 1.
+#[inline(always)]
+pub(crate) fn blend<S: Space>(p: S, moved: S, m: f64) -> S {
+    if m == 1.0 {
+        moved
+    } else if m == 0.0 {
+        p
+    } else {
+        p + (moved - p) * m
+    }
+}
+
+/// The facts of `facts` blended by `mask`.
+pub(crate) fn masked_facts<S: Space>(mut facts: Facts<S>, mask: &dyn Field<S>) -> Facts<S> {
+    let inner_edge = facts.edge;
+    facts.inside = facts.inside.min(mask.smoothness());
+    let support = facts.support.intersection(mask.support());
+    if support != facts.support {
+        // A mask that vanishes smoothly well inside the deformation hides its edge; this is claimed only where the
+        // mask's bounds keep clear of it, which a box test cannot decide in general: keep the weaker class.
+        facts.edge = inner_edge.min(mask.smoothness());
+    } else {
+        facts.edge = facts.edge.min(mask.smoothness());
+    }
+    facts.support = support;
+    facts
+}
+
+impl<S: Space> Deformation<S> for Masked<S> {
+    fn map(&self, site: &Site<S>) -> S {
+        let m = self.mask.value(site);
+        if m == 0.0 {
+            site.point
+        } else {
+            blend(site.point, self.deformation.map(site), m)
+        }
+    }
+
+    fn facts(&self) -> Facts<S> {
+        masked_facts(self.deformation.facts(), &self.mask)
+    }
+
+    fn domain(&self) -> Domain {
+        self.deformation.domain().max(self.mask.domain())
+    }
+
+    fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+        map_masked(&self.deformation, &self.mask, first, points)
+    }
+
+    fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> {
+        masked_jacobian(&self.deformation, &self.mask, site, size)
+    }
+}
+
+/// `J = I + m (J_D − I) + (D(p) − p) ∇mᵀ`.
+pub(crate) fn masked_jacobian<S: Space>(
+    deformation: &dyn Deformation<S>,
+    mask: &dyn Field<S>,
+    site: &Site<S>,
+    size: f64,
+) -> Option<S::Linear> {
+    let gradient = mask.gradient(site, size)?;
+    let inner = deformation.jacobian(site, size)?;
+    let m = mask.value(site);
+    let moved = deformation.map(site) - site.point;
+    Some(
+        S::Linear::IDENTITY + (inner - S::Linear::IDENTITY) * m + S::Linear::outer(moved, gradient),
+    )
+}
+
+/// Blends a run of points, keeping the deformation's kernel.
+pub(crate) fn map_masked<S: Space>(
+    deformation: &dyn Deformation<S>,
+    mask: &dyn Field<S>,
+    first: usize,
+    points: &mut [S],
+) -> Unmapped {
+    match mask.constant() {
+        Some(1.0) => return deformation.map_points(first, points),
+        Some(0.0) => return Unmapped::none(),
+        _ => {}
+    }
+    let mut unmapped = Unmapped::none();
+    let mut rest = [S::ZERO; RUN];
+    let mut values = [0.0; RUN];
+    for (run, chunk) in points.chunks_mut(RUN).enumerate() {
+        let first = first + run * RUN;
+        let (rest, values) = (&mut rest[..chunk.len()], &mut values[..chunk.len()]);
+        rest.copy_from_slice(chunk);
+        mask.values(first, rest, values);
+        if values.iter().all(|&m| m == 0.0) {
+            continue;
+        }
+        unmapped.append(deformation.map_points(first, chunk));
+        for ((point, &p), &m) in chunk.iter_mut().zip(rest.iter()).zip(values.iter()) {
+            *point = blend(p, *point, m);
+        }
+    }
+    unmapped
+}

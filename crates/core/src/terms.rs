@@ -1,0 +1,295 @@
+//! Warps made of explicit terms, and wrappers that change a warp's fields.
+//!
+//! *Source*: Milliron et al. 2002, §3.5: a construction function outputs `(T̄, s̄, w̄)`; [`Terms`] is that output as a
+//! value. [`Modulated`] multiplies every strength or weight of an existing warp by a field and sets the ambient weight
+//! of errata F4.
+
+use crate::deformation::{blend, map_masked, masked_facts, masked_jacobian};
+use crate::{
+    Address, Affine, Average, Condition, Deformation, Domain, Facts, Field, Influence, Influences,
+    Scaling, Site, Smoothness, Space, Support, Transformation, Unmapped, Warp, evaluate,
+    evaluate_points,
+};
+
+/// One discrete term: a transformation, its strength field and its weight field.
+pub struct Term<S: Space> {
+    /// The transformation `T` with its scaling method.
+    pub transformation: Box<dyn Transformation<S>>,
+    /// The strength field `s`.
+    pub strength: Box<dyn Field<S>>,
+    /// The weight field `w`.
+    pub weight: Box<dyn Field<S>>,
+}
+
+impl<S: Space> Term<S> {
+    /// A term from its three parts.
+    pub fn new(
+        transformation: impl Transformation<S> + 'static,
+        strength: impl Field<S> + 'static,
+        weight: impl Field<S> + 'static,
+    ) -> Self {
+        Self {
+            transformation: Box::new(transformation),
+            strength: Box::new(strength),
+            weight: Box::new(weight),
+        }
+    }
+}
+
+/// A warp given by its terms: the output of any construction function.
+pub struct Terms<S: Space> {
+    terms: Vec<Term<S>>,
+    average: Average,
+    conditions: Vec<Condition<S>>,
+}
+
+impl<S: Space> Terms<S> {
+    /// The warp with the given terms, averaged by weight. Without terms it is the identity.
+    pub fn new(terms: Vec<Term<S>>) -> Self {
+        Self {
+            terms,
+            average: Average::Weights,
+            conditions: Vec::new(),
+        }
+    }
+    /// The same terms under another average.
+    #[must_use]
+    pub fn with_average(mut self, average: Average) -> Self {
+        self.average = average;
+        self
+    }
+    /// States what the warp is meant to interpolate, for its report.
+    #[must_use]
+    pub fn with_conditions(mut self, conditions: Vec<Condition<S>>) -> Self {
+        self.conditions = conditions;
+        self
+    }
+    /// The terms.
+    pub fn terms(&self) -> &[Term<S>] {
+        &self.terms
+    }
+}
+
+impl<S: Space> Deformation<S> for Terms<S> {
+    fn map(&self, site: &Site<S>) -> S {
+        evaluate(self, site)
+    }
+    fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+        evaluate_points(self, first, points)
+    }
+    fn domain(&self) -> Domain {
+        let domain = |t: &Term<S>| t.strength.domain().max(t.weight.domain());
+        self.terms.iter().map(domain).max().unwrap_or(Domain::Space)
+    }
+    fn facts(&self) -> Facts<S> {
+        let mut facts = Facts::identity();
+        let mut weights = Support::Nowhere;
+        let mut edge_class = Smoothness::Smooth;
+        for term in &self.terms {
+            let (s, w) = (&term.strength, &term.weight);
+            facts.support = facts.support.union(s.support().intersection(w.support()));
+            weights = weights.union(w.support());
+            facts.inside = facts.inside.min(s.smoothness()).min(w.smoothness());
+            facts.translations_only &= term.transformation.is_translation();
+            facts.strength_blends &= term.transformation.is_translation()
+                || term.transformation.scaling() == Scaling::Displacement;
+            edge_class = edge_class.min(s.smoothness());
+            // Where the last weight vanishes the average jumps, unless no strength is left there (errata F4).
+            let strength_covers = s.constant().is_some_and(|s| s != 0.0)
+                || match (s.support().bounds(), w.support().bounds()) {
+                    (Some(s), Some(w)) => !(w.contains(s.min) && w.contains(s.max)),
+                    (None, Some(_)) => s.support() == Support::Everywhere,
+                    _ => false,
+                };
+            if strength_covers
+                && weights != Support::Everywhere
+                && w.support() != Support::Everywhere
+            {
+                edge_class = Smoothness::Jump;
+            }
+        }
+        if weights == Support::Everywhere || facts.support == Support::Nowhere {
+            facts.edge = facts.inside;
+        } else if let (Smoothness::Jump, Average::Weights) = (edge_class, self.average) {
+            facts.edge = Smoothness::Jump;
+            facts = facts.with_note(
+                "jumps where the last weight vanishes, because the strength is not zero there (errata F4); let the \
+                 strength fall to 0 inside the weight's support, or set an ambient weight",
+            );
+        } else {
+            facts.edge = edge_class.min(facts.inside);
+        }
+        facts
+    }
+}
+
+impl<S: Space> Warp<S> for Terms<S> {
+    fn influences(&self, site: &Site<S>, out: &mut Influences) {
+        for (feature, term) in self.terms.iter().enumerate() {
+            let weight = term.weight.value(site);
+            if weight > 0.0 {
+                out.push(
+                    Address::of(u32::try_from(feature).unwrap_or(u32::MAX)),
+                    term.strength.value(site),
+                    weight,
+                );
+            }
+        }
+    }
+    fn scaled(&self, address: Address, strength: f64) -> Affine<S> {
+        self.terms
+            .get(address.feature as usize)
+            .map_or(Affine::IDENTITY, |t| t.transformation.scaled(strength))
+    }
+    fn average(&self) -> Average {
+        self.average
+    }
+    fn conditions(&self) -> Vec<Condition<S>> {
+        self.conditions.clone()
+    }
+}
+
+/// A warp whose strengths and weights are multiplied by fields, and whose average may be another.
+pub struct Modulated<S: Space> {
+    warp: Box<dyn Warp<S>>,
+    strength: Option<Box<dyn Field<S>>>,
+    weight: Option<Box<dyn Field<S>>>,
+    ambient: Option<f64>,
+}
+
+impl<S: Space> Modulated<S> {
+    /// The warp as it is.
+    pub fn new(warp: Box<dyn Warp<S>>) -> Self {
+        Self {
+            warp,
+            strength: None,
+            weight: None,
+            ambient: None,
+        }
+    }
+    /// Multiplies every strength by `field`.
+    #[must_use]
+    pub fn with_strength(mut self, field: Box<dyn Field<S>>) -> Self {
+        self.strength = Some(field);
+        self
+    }
+    /// Multiplies every weight by `field`. It matters where the field vanishes, and beside an ambient weight.
+    #[must_use]
+    pub fn with_weight(mut self, field: Box<dyn Field<S>>) -> Self {
+        self.weight = Some(field);
+        self
+    }
+    /// Adds an identity term of weight `ambient > 0` to the denominator (errata F4).
+    #[must_use]
+    pub fn with_ambient(mut self, ambient: f64) -> Self {
+        self.ambient = Some(ambient);
+        self
+    }
+
+    /// The strength factor, if scaling strengths by it is the same as blending the result and nothing else is changed:
+    /// then the warp's kernel serves.
+    fn blending_strength(&self) -> Option<&dyn Field<S>> {
+        let field = self.strength.as_deref()?;
+        (self.weight.is_none() && self.ambient.is_none() && self.warp.facts().strength_blends)
+            .then_some(field)
+    }
+}
+
+impl<S: Space> Deformation<S> for Modulated<S> {
+    fn map(&self, site: &Site<S>) -> S {
+        match self.blending_strength() {
+            Some(field) => blend(site.point, self.warp.map(site), field.value(site)),
+            None => evaluate(self, site),
+        }
+    }
+
+    fn facts(&self) -> Facts<S> {
+        let mut facts = self.warp.facts();
+        if let Some(strength) = &self.strength {
+            facts = masked_facts(facts, strength);
+        }
+        if let Some(weight) = &self.weight {
+            facts.inside = facts.inside.min(weight.smoothness());
+            if weight.support() != Support::Everywhere {
+                facts.support = facts.support.intersection(weight.support());
+                if self.ambient.is_none() {
+                    facts.edge = Smoothness::Jump;
+                    facts = facts.with_note(
+                        "the weight field ends inside the warp: with normalized weights the warp jumps there (errata \
+                         F4); use `strength` or `mask` for a smooth end, or set `ambient`",
+                    );
+                }
+            }
+        }
+        if self.ambient.is_some() {
+            if facts.edge == Smoothness::Jump {
+                facts.edge = facts.inside;
+            }
+            facts.strength_blends &= self.weight.is_none();
+            facts = facts.with_note(
+                "an ambient weight ε is in force: a feature of weight w moves by w/(w+ε) of the whole, so that \
+                 interpolation is approximate and rigid motions are not reproduced (errata F4)",
+            );
+        }
+        facts
+    }
+
+    fn domain(&self) -> Domain {
+        let of =
+            |field: &Option<Box<dyn Field<S>>>| field.as_ref().map_or(Domain::Space, Field::domain);
+        self.warp
+            .domain()
+            .max(of(&self.strength))
+            .max(of(&self.weight))
+    }
+
+    fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+        if let Some(field) = self.blending_strength() {
+            return map_masked(&self.warp, field, first, points);
+        }
+        if self.strength.is_none() && self.weight.is_none() && self.ambient.is_none() {
+            return self.warp.map_points(first, points);
+        }
+        evaluate_points(self, first, points)
+    }
+
+    fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> {
+        if let Some(field) = self.blending_strength() {
+            return masked_jacobian(&self.warp, field, site, size);
+        }
+        if self.strength.is_none() && self.weight.is_none() && self.ambient.is_none() {
+            return self.warp.jacobian(site, size);
+        }
+        crate::difference_jacobian(self, site, size)
+    }
+}
+
+impl<S: Space> Warp<S> for Modulated<S> {
+    fn influences(&self, site: &Site<S>, out: &mut Influences) {
+        let strength = self.strength.as_ref().map_or(1.0, |f| f.value(site));
+        let weight = self.weight.as_ref().map_or(1.0, |f| f.value(site));
+        if weight == 0.0 {
+            return;
+        }
+        self.warp.influences(site, out);
+        for influence in &mut out.list {
+            influence.strength *= strength;
+            influence.weight *= weight;
+        }
+    }
+    fn scaled(&self, address: Address, strength: f64) -> Affine<S> {
+        self.warp.scaled(address, strength)
+    }
+    fn weight(&self, influence: &Influence, displacement: S) -> f64 {
+        self.warp.weight(influence, displacement)
+    }
+    fn average(&self) -> Average {
+        match (self.ambient, self.warp.average()) {
+            (Some(ambient), Average::Weights | Average::Ambient(_)) => Average::Ambient(ambient),
+            (_, average) => average,
+        }
+    }
+    fn conditions(&self) -> Vec<Condition<S>> {
+        self.warp.conditions()
+    }
+}
