@@ -1,0 +1,86 @@
+//! Entries, what they build, and what they are told about the model.
+
+use crate::{ConstructError, Value};
+use anamorph_core::{Bounds, Field, Mark, Scaling, Space, Warp};
+use schemars::{Schema, SchemaGenerator};
+use std::sync::Arc;
+
+/// One plug-in of a catalogue, over the space `S`, building a `T`.
+pub struct Entry<S: Space, T> {
+    /// The word a recipe uses, in lower case with hyphens.
+    pub kind: &'static str,
+    /// The row of the inventory of systems it covers, such as `B3`; empty for ingredients.
+    pub system: &'static str,
+    /// What it does, in one line.
+    pub summary: &'static str,
+    /// Where it comes from: authors, title, venue, year.
+    pub reference: &'static str,
+    /// A complete example of its parameters as TOML, without the `kind` key; valid for any model of the space.
+    pub example: &'static str,
+    /// The JSON Schema of its parameters, without `kind`.
+    pub schema: fn(&mut SchemaGenerator) -> Schema,
+    /// Builds it from its parameters, without `kind`.
+    pub construct: fn(&Value, &Context<'_, S>) -> Result<T, ConstructError>,
+}
+
+// Derives would ask for `S: Clone` and `T: Clone`.
+impl<S: Space, T> Clone for Entry<S, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<S: Space, T> Copy for Entry<S, T> {}
+
+/// A registered warp.
+pub type WarpEntry<S> = Entry<S, Built<S>>;
+/// A registered field.
+pub type FieldEntry<S> = Entry<S, Box<dyn Field<S>>>;
+
+/// A constructed warp and how to draw it.
+pub struct Built<S: Space> {
+    /// The warp.
+    pub warp: Box<dyn Warp<S>>,
+    /// Its features and guides.
+    pub marks: Vec<Mark<S>>,
+}
+
+/// What a construction may know about the model a recipe is for.
+#[derive(Clone, Default)]
+pub struct Context<'a, S: Space> {
+    /// Bounds of the model's points, for parameters given as percentages and `"fit"`.
+    pub bounds: Option<Bounds<S>>,
+    /// The scaling method the recipe asks for; `None` leaves the plug-in's own.
+    pub scaling: Option<Scaling>,
+    /// Per-vertex attributes of the model by name.
+    pub attributes: Option<&'a dyn Attributes>,
+}
+
+/// Per-vertex attributes of a model.
+pub trait Attributes {
+    /// The values of an attribute, one a vertex.
+    fn attribute(&self, name: &str) -> Option<Arc<[f64]>>;
+    /// The names of all attributes.
+    fn names(&self) -> Vec<String>;
+}
+
+impl<S: Space> Context<'_, S> {
+    /// A context of a model with these bounds and nothing else.
+    pub fn of_bounds(bounds: Bounds<S>) -> Self {
+        Self {
+            bounds: Some(bounds),
+            scaling: None,
+            attributes: None,
+        }
+    }
+
+    /// The bounds, or an error at `path` that says that a model is needed.
+    pub fn bounds(&self, path: &str) -> Result<Bounds<S>, ConstructError> {
+        self.bounds.ok_or_else(|| {
+            ConstructError::new(
+                path,
+                "this is relative to the model, and no model was given",
+            )
+            .with_hint("name a model, or write an absolute number in scene units")
+        })
+    }
+}
