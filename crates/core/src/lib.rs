@@ -38,6 +38,8 @@ mod marks;
 pub mod math;
 mod model;
 pub mod reference;
+#[cfg(feature = "simd")]
+pub mod simd;
 mod space;
 mod surface;
 mod terms;

@@ -1,41 +1,45 @@
 //! Transcendental functions, the only ones the project uses.
 //!
 //! The standard library's `sin`, `exp`, `ln` and `powf` differ in the last bit between processors and platforms. These
-//! do not: [`sin`], [`cos`] and [`sin_cos`] are polynomials of plain multiplications and additions (so that a loop over
-//! them vectorizes, and scalar and vector code agree bit for bit), the others come from the `libm` crate, a port of
+//! do not: [`sin`], [`cos`] and [`sin_cos`] are polynomials of plain multiplications and additions (the
+//! vector form in `simd` does the same operations and agrees bit for bit), the others come from the `libm` crate, a port of
 //! musl's. `sqrt` is exact by IEEE 754 and may be called anywhere.
 //!
 //! *Source*: range reduction after W. J. Cody and W. Waite, *Software Manual for the Elementary Functions*, 1980 (three
 //! parts of π/2); polynomials are those of FreeBSD's msun `k_sin.c` and `k_cos.c` (minimax on ±π/4, error < 2⁻⁵⁸).
 
-/// Beyond this magnitude (radians) the three-part reduction loses digits and `libm` takes over.
-const REDUCIBLE: f64 = 1.0e5;
+/// The numbers behind [`sin_cos`], shared with its vector form.
+pub(crate) mod constants {
+    /// Beyond this magnitude (radians) the three-part reduction loses digits and `libm` takes over.
+    pub(crate) const REDUCIBLE: f64 = 1.0e5;
 
-/// π/2 in three parts: the first two have 33 significant bits, so that `k · part` is exact for |k| < 2²⁰.
-const HALF_PI_1: f64 = 1.570_796_326_734_125_6;
-const HALF_PI_2: f64 = 6.077_100_506_303_966e-11;
-const HALF_PI_3: f64 = 2.022_266_248_795_950_7e-21;
-/// 1.5 · 2⁵²: adding and subtracting it rounds a small number to the nearest integer.
-const ROUNDER: f64 = 6_755_399_441_055_744.0;
+    /// π/2 in three parts: the first two have 33 significant bits, so that `k · part` is exact for |k| < 2²⁰.
+    pub(crate) const HALF_PI_1: f64 = 1.570_796_326_734_125_6;
+    pub(crate) const HALF_PI_2: f64 = 6.077_100_506_303_966e-11;
+    pub(crate) const HALF_PI_3: f64 = 2.022_266_248_795_950_7e-21;
+    /// 1.5 · 2⁵²: adding and subtracting it rounds a small number to the nearest integer.
+    pub(crate) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
-const SIN: [f64; 6] = [
-    -1.666_666_666_666_663_2e-1,
-    8.333_333_333_322_49e-3,
-    -1.984_126_982_985_795e-4,
-    2.755_731_370_707_006_8e-6,
-    -2.505_076_025_340_686_3e-8,
-    1.589_690_995_211_55e-10,
-];
-const COS: [f64; 6] = [
-    4.166_666_666_666_66e-2,
-    -1.388_888_888_887_411e-3,
-    2.480_158_728_947_673e-5,
-    -2.755_731_435_139_066_3e-7,
-    2.087_572_321_298_175e-9,
-    -1.135_964_755_778_819_5e-11,
-];
+    pub(crate) const SIN: [f64; 6] = [
+        -1.666_666_666_666_663_2e-1,
+        8.333_333_333_322_49e-3,
+        -1.984_126_982_985_795e-4,
+        2.755_731_370_707_006_8e-6,
+        -2.505_076_025_340_686_3e-8,
+        1.589_690_995_211_55e-10,
+    ];
+    pub(crate) const COS: [f64; 6] = [
+        4.166_666_666_666_66e-2,
+        -1.388_888_888_887_411e-3,
+        2.480_158_728_947_673e-5,
+        -2.755_731_435_139_066_3e-7,
+        2.087_572_321_298_175e-9,
+        -1.135_964_755_778_819_5e-11,
+    ];
+}
+use constants::*;
 
-/// Sine and cosine of a number with magnitude at most [`REDUCIBLE`]; branch-free.
+/// Sine and cosine of a number with magnitude at most 10⁵; branch-free.
 #[inline(always)]
 fn sin_cos_small(x: f64) -> (f64, f64) {
     let shifted = x * core::f64::consts::FRAC_2_PI + ROUNDER;
@@ -77,27 +81,6 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
     } else {
         (libm::sin(angle), libm::cos(angle))
     }
-}
-
-/// Sines and cosines of a block of angles; equal to [`sin_cos`] bit for bit, and vectorizable.
-#[inline(always)]
-#[must_use]
-pub fn sin_cos_block<const N: usize>(angles: &[f64; N]) -> ([f64; N], [f64; N]) {
-    let mut sin = [0.0; N];
-    let mut cos = [0.0; N];
-    let mut small = true;
-    for lane in 0..N {
-        let (s, c) = sin_cos_small(angles[lane]);
-        sin[lane] = s;
-        cos[lane] = c;
-        small &= angles[lane].abs() <= REDUCIBLE;
-    }
-    if !small {
-        for lane in 0..N {
-            (sin[lane], cos[lane]) = sin_cos(angles[lane]);
-        }
-    }
-    (sin, cos)
 }
 
 /// Sine of an angle in radians.
@@ -205,22 +188,6 @@ mod tests {
                 .max((c - libm::cos(x)).abs() / 1e-16);
         }
         assert!(worst <= 1.2, "{worst} units in the last place");
-    }
-
-    #[test]
-    fn blocks_equal_scalars_bit_for_bit() {
-        let angles: [f64; 8] = [0.0, -0.0, 1.0, -2.5, 99_999.0, 1e6, -1e300, 0.3];
-        let (s, c) = sin_cos_block(&angles);
-        for lane in 0..8 {
-            assert_eq!(s[lane].to_bits(), sin(angles[lane]).to_bits());
-            assert_eq!(c[lane].to_bits(), cos(angles[lane]).to_bits());
-        }
-        assert!(
-            sin_cos_block(&[f64::NAN, f64::INFINITY])
-                .0
-                .iter()
-                .all(|s| s.is_nan())
-        );
     }
 
     #[test]
