@@ -155,6 +155,8 @@ pub struct Modulated<S: Space> {
     strength: Option<Box<dyn Field<S>>>,
     weight: Option<Box<dyn Field<S>>>,
     ambient: Option<f64>,
+    /// What the warp's facts say; asked once, because kernels are asked for every run.
+    blends: bool,
 }
 
 impl<S: Space> Modulated<S> {
@@ -190,7 +192,7 @@ impl<S: Space> Modulated<S> {
     /// then the warp's kernel serves.
     fn blending_strength(&self) -> Option<&dyn Field<S>> {
         let field = self.strength.as_deref()?;
-        (self.weight.is_none() && self.ambient.is_none() && self.warp.facts().strength_blends)
+        (self.weight.is_none() && self.ambient.is_none() && self.blends)
             .then_some(field)
     }
 }
