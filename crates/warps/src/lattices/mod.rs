@@ -10,4 +10,5 @@ mod grid;
 #[cfg(feature = "recipe")]
 mod parameters;
 
+pub(crate) use grid::one;
 pub use grid::{Grid, LatticeError};
