@@ -17,7 +17,7 @@ pub struct Entry<S: Space, T> {
     pub reference: &'static str,
     /// A complete example of its parameters as TOML, without the `kind` key; valid for any model of the space.
     pub example: &'static str,
-    /// The JSON Schema of its parameters, without `kind`.
+    /// The JSON Schema of its parameters, without `kind`; what it refers to is defined in the generator.
     pub schema: fn(&mut SchemaGenerator) -> Schema,
     /// Builds it from its parameters, without `kind`.
     pub construct: fn(&Value, &Context<'_, S>) -> Result<T, ConstructError>,
