@@ -23,6 +23,12 @@ pub fn splat<V: Simd>(simd: V, value: f64) -> f64x8<V> {
     f64x8::splat(simd, value)
 }
 
+/// A vector from a number per lane.
+#[inline(always)]
+pub fn lanes<V: Simd>(simd: V, number: impl FnMut(usize) -> f64) -> f64x8<V> {
+    f64x8::from_fn(simd, number)
+}
+
 /// Coordinates of eight points.
 #[inline(always)]
 pub fn read_block<V: Simd, S: Space>(simd: V, points: &[S; LANES]) -> Block<V> {

@@ -162,11 +162,13 @@ pub struct Modulated<S: Space> {
 impl<S: Space> Modulated<S> {
     /// The warp as it is.
     pub fn new(warp: Box<dyn Warp<S>>) -> Self {
+        let blends = warp.facts().strength_blends;
         Self {
             warp,
             strength: None,
             weight: None,
             ambient: None,
+            blends,
         }
     }
     /// Multiplies every strength by `field`.
@@ -192,8 +194,7 @@ impl<S: Space> Modulated<S> {
     /// then the warp's kernel serves.
     fn blending_strength(&self) -> Option<&dyn Field<S>> {
         let field = self.strength.as_deref()?;
-        (self.weight.is_none() && self.ambient.is_none() && self.blends)
-            .then_some(field)
+        (self.weight.is_none() && self.ambient.is_none() && self.blends).then_some(field)
     }
 }
 

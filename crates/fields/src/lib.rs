@@ -27,6 +27,8 @@ pub mod falloffs;
 mod profile;
 mod radial;
 mod range;
+#[cfg(feature = "recipe")]
+pub mod recipe;
 mod region;
 #[cfg(test)]
 mod testing;

@@ -13,20 +13,10 @@ use core::f64::consts::PI;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cosine;
 
-/// Values of a sine evaluated at a time.
-const LANES: usize = 8;
-
 /// `½(1 + cos πt) = cos²(πt/2)` is the square of the sine of this angle, which does not cancel at the edge.
 #[inline(always)]
 fn angle(t: f64) -> f64 {
     0.5 * PI * (1.0 - t).max(0.0)
-}
-
-/// Replaces a block of angles by the squares of their sines.
-#[inline(always)]
-fn squared_sines(angles: &mut [f64; LANES]) {
-    let (sin, _) = math::sin_cos_block(angles);
-    *angles = sin.map(|sin| sin * sin);
 }
 
 impl Falloff for Cosine {
@@ -49,26 +39,6 @@ impl Falloff for Cosine {
             centre: Smoothness::Smooth,
             start: Smoothness::C(1),
             edge: Smoothness::C(1),
-        }
-    }
-    fn apply(&self, t: &mut [f64]) {
-        let (blocks, rest) = t.as_chunks_mut::<LANES>();
-        for block in blocks {
-            *block = block.map(angle);
-            squared_sines(block);
-        }
-        for t in rest {
-            *t = self.value(*t);
-        }
-    }
-    fn apply_to_squares(&self, q: &mut [f64]) {
-        let (blocks, rest) = q.as_chunks_mut::<LANES>();
-        for block in blocks {
-            *block = block.map(|q| angle(q.sqrt()));
-            squared_sines(block);
-        }
-        for q in rest {
-            *q = self.value_of_square(*q);
         }
     }
 }
