@@ -27,7 +27,13 @@ fn grid(side: usize, normals: bool) -> Vec<u8> {
     }
     if normals {
         for _ in 0..side * side {
-            let _ = writeln!(text, "vn {:.4} {:.4} {:.4}", noise() - 0.5, noise() - 0.5, noise() + 0.5);
+            let _ = writeln!(
+                text,
+                "vn {:.4} {:.4} {:.4}",
+                noise() - 0.5,
+                noise() - 0.5,
+                noise() + 0.5
+            );
         }
     }
     for i in 0..side - 1 {
@@ -35,7 +41,10 @@ fn grid(side: usize, normals: bool) -> Vec<u8> {
             let a = i * side + j + 1;
             let (b, c, d) = (a + 1, a + side + 1, a + side);
             let _ = if normals {
-                writeln!(text, "f {a}//{a} {d}//{d} {c}//{c}\nf {a}//{a} {c}//{c} {b}//{b}")
+                writeln!(
+                    text,
+                    "f {a}//{a} {d}//{d} {c}//{c}\nf {a}//{a} {c}//{c} {b}//{b}"
+                )
             } else {
                 writeln!(text, "f {a} {d} {c}\nf {a} {c} {b}")
             };
@@ -68,13 +77,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let bytes = std::fs::read(&path)?;
         let document = read(bytes, None, &ReadOptions::default())?;
         let read_time = start.elapsed();
-        let Points::Solid(points) = document.points() else { return Ok(()) };
-        let moved: Vec<DVec3> = points.iter().map(|p| DVec3::new(p.x * 1.1 + p.z, p.y * 0.9, p.z - p.x * p.y)).collect();
+        let Points::Solid(points) = document.points() else {
+            return Ok(());
+        };
+        let moved: Vec<DVec3> = points
+            .iter()
+            .map(|p| DVec3::new(p.x * 1.1 + p.z, p.y * 0.9, p.z - p.x * p.y))
+            .collect();
         let begin = Instant::now();
         let turn = |_: usize, n: DVec3| DVec3::new(n.x / 1.1, n.y / 0.9, n.z - n.x);
-        let normals = if normals { Normals::Transform(&turn) } else { Normals::Keep };
+        let normals = if normals {
+            Normals::Transform(&turn)
+        } else {
+            Normals::Keep
+        };
         let mut out = std::fs::File::create(&target)?;
-        document.write(&Moved { points: Points::Solid(&moved), normals }, &mut out)?;
+        document.write(
+            &Moved {
+                points: Points::Solid(&moved),
+                normals,
+            },
+            &mut out,
+        )?;
         let write_time = begin.elapsed();
         let whole = start.elapsed();
         drop((document, moved));
@@ -93,11 +117,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::remove_file(&target)?;
 
     let seconds = best.map(|time| time.as_secs_f64());
-    println!("file {:.1} MB; read {:.3} s, write {:.3} s", size / 1e6, seconds[0], seconds[1]);
-    println!("whole {:.3} s, tobj alone {:.3} s: ratio {:.2} (bar 1.5)", seconds[2], seconds[3], seconds[2] / seconds[3]);
+    println!(
+        "file {:.1} MB; read {:.3} s, write {:.3} s",
+        size / 1e6,
+        seconds[0],
+        seconds[1]
+    );
+    println!(
+        "whole {:.3} s, tobj alone {:.3} s: ratio {:.2} (bar 1.5)",
+        seconds[2],
+        seconds[3],
+        seconds[2] / seconds[3]
+    );
     // The generated text was in memory once too, before the file was written.
     if let Some(peak) = ours_peak {
-        println!("peak memory {:.1} MB: {:.2} times the file (bar 4)", peak / 1e6, peak / size);
+        println!(
+            "peak memory {:.1} MB: {:.2} times the file (bar 4)",
+            peak / 1e6,
+            peak / size
+        );
     }
     Ok(())
 }

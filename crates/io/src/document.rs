@@ -87,12 +87,12 @@ impl Points<'_> {
     /// Checks that `moved` can stand in for these points: as many, of the same dimension, and finite where these are.
     pub(crate) fn check(&self, moved: &Points<'_>) -> Result<(), WriteError> {
         let bad: Vec<usize> = match (self, moved) {
-            (Points::Plane(old), Points::Plane(new)) if old.len() == new.len() => {
-                (0..old.len()).filter(|&i| old[i].is_finite() && !new[i].is_finite()).collect()
-            }
-            (Points::Solid(old), Points::Solid(new)) if old.len() == new.len() => {
-                (0..old.len()).filter(|&i| old[i].is_finite() && !new[i].is_finite()).collect()
-            }
+            (Points::Plane(old), Points::Plane(new)) if old.len() == new.len() => (0..old.len())
+                .filter(|&i| old[i].is_finite() && !new[i].is_finite())
+                .collect(),
+            (Points::Solid(old), Points::Solid(new)) if old.len() == new.len() => (0..old.len())
+                .filter(|&i| old[i].is_finite() && !new[i].is_finite())
+                .collect(),
             _ => {
                 return Err(WriteError::Mismatch {
                     expected: self.len(),
@@ -103,7 +103,10 @@ impl Points<'_> {
             }
         };
         match bad.first() {
-            Some(&first) => Err(WriteError::NonFinite { first: first + 1, count: bad.len() }),
+            Some(&first) => Err(WriteError::NonFinite {
+                first: first + 1,
+                count: bad.len(),
+            }),
             None => Ok(()),
         }
     }

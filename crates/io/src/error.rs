@@ -47,8 +47,18 @@ pub struct ReadError {
 
 impl ReadError {
     /// An error about the file as a whole.
-    pub(crate) fn new(kind: ReadErrorKind, what: impl Into<String>, mend: impl Into<String>) -> Self {
-        Self { kind, line: None, column: None, what: what.into(), mend: mend.into() }
+    pub(crate) fn new(
+        kind: ReadErrorKind,
+        what: impl Into<String>,
+        mend: impl Into<String>,
+    ) -> Self {
+        Self {
+            kind,
+            line: None,
+            column: None,
+            what: what.into(),
+            mend: mend.into(),
+        }
     }
 
     /// The same error, placed at byte `offset` of `bytes`.
@@ -78,7 +88,9 @@ impl core::error::Error for ReadError {}
 #[non_exhaustive]
 pub enum WriteError {
     /// The moved points do not match the document's.
-    #[error("the document has {expected} points in {space}, but {got} moved points in {got_space} were given; give one per point, in the document's order")]
+    #[error(
+        "the document has {expected} points in {space}, but {got} moved points in {got_space} were given; give one per point, in the document's order"
+    )]
     Mismatch {
         /// Points of the document.
         expected: usize,
@@ -90,7 +102,9 @@ pub enum WriteError {
         got_space: &'static str,
     },
     /// A finite point was moved to a place that is not finite.
-    #[error("{count} of the points were moved to a place that is not finite, the first is point {first}; a field or feature of the warp overflows there")]
+    #[error(
+        "{count} of the points were moved to a place that is not finite, the first is point {first}; a field or feature of the warp overflows there"
+    )]
     NonFinite {
         /// Number of the first such point, from 1.
         first: usize,

@@ -44,8 +44,10 @@ impl Faces {
     pub(crate) fn concatenate(parts: Vec<Faces>) -> Faces {
         let mut all = Faces::default();
         all.ends.reserve_exact(parts.iter().map(Faces::len).sum());
-        all.vertices.reserve_exact(parts.iter().map(|part| part.vertices.len()).sum());
-        all.normals.reserve_exact(parts.iter().map(|part| part.normals.len()).sum());
+        all.vertices
+            .reserve_exact(parts.iter().map(|part| part.vertices.len()).sum());
+        all.normals
+            .reserve_exact(parts.iter().map(|part| part.normals.len()).sum());
         for part in parts {
             let base = all.vertices.len();
             all.ends.extend(part.ends.iter().map(|end| base + end));
@@ -89,7 +91,9 @@ fn fan(face: &[u32], out: &mut Vec<[u32; 3]>) {
 fn flatten(face: &[u32], points: &[DVec3]) -> Option<Vec<DVec2>> {
     let at = |i: usize| points[face[i] as usize];
     // Half of everything first: a difference of two finite halves is finite.
-    let size = (1..face.len()).fold(0.0_f64, |size, i| size.max((at(i) * 0.5 - at(0) * 0.5).abs().max_element()));
+    let size = (1..face.len()).fold(0.0_f64, |size, i| {
+        size.max((at(i) * 0.5 - at(0) * 0.5).abs().max_element())
+    });
     if !(size > 0.0 && size.is_finite()) {
         return None;
     }
@@ -108,7 +112,11 @@ fn flatten(face: &[u32], points: &[DVec3]) -> Option<Vec<DVec2>> {
         } else {
             (DVec2::new(p.x, p.y), normal.z)
         };
-        if sign < 0.0 { DVec2::new(flat.y, flat.x) } else { flat }
+        if sign < 0.0 {
+            DVec2::new(flat.y, flat.x)
+        } else {
+            flat
+        }
     };
     Some((0..face.len()).map(|i| project(scaled(i))).collect())
 }
@@ -121,7 +129,9 @@ fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
 /// Whether all triangles of the fan from the first corner are wound as the face: then a simple polygon is seen whole
 /// from that corner.
 fn fan_is_correct(flat: &[DVec2]) -> bool {
-    flat.windows(2).skip(1).all(|pair| turn(flat[0], pair[0], pair[1]) > 0.0)
+    flat.windows(2)
+        .skip(1)
+        .all(|pair| turn(flat[0], pair[0], pair[1]) > 0.0)
 }
 
 /// How many corners the search for ears may look at, per corner of the face. Outlines met in practice need few tens; a
@@ -164,7 +174,10 @@ fn clip_ears(face: &[u32], flat: &[DVec2], out: &mut Vec<[u32; 3]>) {
         }
     }
     // What is left: the last triangle, or a part without proper ears (collinear or crossing itself).
-    let rest: Vec<u32> = core::iter::successors(Some(at), |&i| Some(next[i])).take(left).map(|i| face[i]).collect();
+    let rest: Vec<u32> = core::iter::successors(Some(at), |&i| Some(next[i]))
+        .take(left)
+        .map(|i| face[i])
+        .collect();
     fan(&rest, out);
 }
 
@@ -182,7 +195,9 @@ mod tests {
         let mut triangles = Vec::new();
         triangulate(&face, &points, &mut triangles);
         assert_eq!(triangles.len(), outline.len() - 2);
-        let whole: f64 = (1..flat.len() - 1).map(|i| turn(flat[0], flat[i], flat[i + 1])).sum();
+        let whole: f64 = (1..flat.len() - 1)
+            .map(|i| turn(flat[0], flat[i], flat[i + 1]))
+            .sum();
         let mut sum = 0.0;
         for t in &triangles {
             let [a, b, c] = t.map(|i| flat[i as usize]);
@@ -190,7 +205,8 @@ mod tests {
             assert!(area * whole >= -1e-12, "{t:?} is inside out");
             sum += area;
             for p in &flat {
-                let inside = [turn(a, b, *p), turn(b, c, *p), turn(c, a, *p)].map(|s| s * whole.signum() > 1e-9);
+                let inside = [turn(a, b, *p), turn(b, c, *p), turn(c, a, *p)]
+                    .map(|s| s * whole.signum() > 1e-9);
                 assert!(inside != [true; 3], "{t:?} covers a corner");
             }
         }
@@ -200,8 +216,14 @@ mod tests {
 
     #[test]
     fn convex_faces_are_fanned() {
-        assert_eq!(check(&[(0., 0.), (1., 0.), (1., 1.), (0., 1.)]), [[0, 1, 2], [0, 2, 3]]);
-        assert_eq!(check(&[(0., 1.), (1., 1.), (1., 0.), (0., 0.)]), [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(
+            check(&[(0., 0.), (1., 0.), (1., 1.), (0., 1.)]),
+            [[0, 1, 2], [0, 2, 3]]
+        );
+        assert_eq!(
+            check(&[(0., 1.), (1., 1.), (1., 0.), (0., 0.)]),
+            [[0, 1, 2], [0, 2, 3]]
+        );
     }
 
     #[test]
@@ -221,9 +243,20 @@ mod tests {
         comb.reverse();
         check(&comb);
         // A spiral.
-        let arm = |turns: f64, radius: f64| (radius * (turns * 6.283).cos(), radius * (turns * 6.283).sin());
-        let mut spiral: Vec<_> = (0..60).map(|i| arm(f64::from(i) / 20.0, 1.0 + f64::from(i) / 20.0)).collect();
-        spiral.extend((0..60).rev().map(|i| arm(f64::from(i) / 20.0, 1.3 + f64::from(i) / 20.0)));
+        let arm = |turns: f64, radius: f64| {
+            (
+                radius * (turns * 6.283).cos(),
+                radius * (turns * 6.283).sin(),
+            )
+        };
+        let mut spiral: Vec<_> = (0..60)
+            .map(|i| arm(f64::from(i) / 20.0, 1.0 + f64::from(i) / 20.0))
+            .collect();
+        spiral.extend(
+            (0..60)
+                .rev()
+                .map(|i| arm(f64::from(i) / 20.0, 1.3 + f64::from(i) / 20.0)),
+        );
         check(&spiral);
     }
 
@@ -231,15 +264,44 @@ mod tests {
     fn bridged_holes_and_collinear_corners() {
         // A square with a square hole, joined by a bridge that is walked twice.
         check(&[
-            (0., 0.), (4., 0.), (4., 4.), (0., 4.), (0., 0.), (1., 1.), (1., 3.), (3., 3.), (3., 1.), (1., 1.),
+            (0., 0.),
+            (4., 0.),
+            (4., 4.),
+            (0., 4.),
+            (0., 0.),
+            (1., 1.),
+            (1., 3.),
+            (3., 3.),
+            (3., 1.),
+            (1., 1.),
         ]);
-        check(&[(0., 0.), (1., 0.), (2., 0.), (2., 1.), (2., 2.), (1., 2.), (0., 2.), (0., 1.)]);
+        check(&[
+            (0., 0.),
+            (1., 0.),
+            (2., 0.),
+            (2., 1.),
+            (2., 2.),
+            (1., 2.),
+            (0., 2.),
+            (0., 1.),
+        ]);
     }
 
     #[test]
     fn faces_without_area_still_give_triangles() {
-        let points = [DVec3::ZERO, DVec3::X, DVec3::X * 2.0, DVec3::splat(f64::NAN), DVec3::splat(1e308)];
-        for face in [vec![0, 1, 2, 1], vec![0, 0, 0, 0, 0], vec![0, 1, 3, 2], vec![4, 0, 1, 2]] {
+        let points = [
+            DVec3::ZERO,
+            DVec3::X,
+            DVec3::X * 2.0,
+            DVec3::splat(f64::NAN),
+            DVec3::splat(1e308),
+        ];
+        for face in [
+            vec![0, 1, 2, 1],
+            vec![0, 0, 0, 0, 0],
+            vec![0, 1, 3, 2],
+            vec![4, 0, 1, 2],
+        ] {
             let mut out = Vec::new();
             triangulate(&face, &points, &mut out);
             assert_eq!(out.len(), face.len() - 2);
@@ -253,7 +315,11 @@ mod tests {
         let points: Vec<DVec3> = (0..n)
             .map(|i| {
                 let t = f64::from(i) * 0.5;
-                DVec3::new(t * (i % 2 * 2 - 1) as f64, t * t * 1e-3 * f64::from(i % 3 - 1), 0.0)
+                DVec3::new(
+                    t * (i % 2 * 2 - 1) as f64,
+                    t * t * 1e-3 * f64::from(i % 3 - 1),
+                    0.0,
+                )
             })
             .collect();
         let face: Vec<u32> = (0..n as u32).collect();

@@ -52,6 +52,9 @@ impl ReadOptions {
     /// Lets everything pass that an [inspection](crate::Document::inspect) can report as a problem.
     #[must_use]
     pub fn for_inspection() -> Self {
-        Self { allow_nonfinite: true, allow_broken_elements: true }
+        Self {
+            allow_nonfinite: true,
+            allow_broken_elements: true,
+        }
     }
 }

@@ -91,15 +91,23 @@ impl ProblemKind {
             Self::NonFinitePoint => "points with NaN or infinite coordinates",
             Self::NonFiniteAttribute => "attribute values that are NaN or infinite",
             Self::NonFiniteNormal => "normals that are not three finite numbers",
-            Self::BrokenElement => "elements that are malformed or refer to vertices that do not exist",
-            Self::DanglingReference => "references to normals or texture coordinates that do not exist",
-            Self::MixedReferences => "faces where only some corners have a normal or texture coordinate",
+            Self::BrokenElement => {
+                "elements that are malformed or refer to vertices that do not exist"
+            }
+            Self::DanglingReference => {
+                "references to normals or texture coordinates that do not exist"
+            }
+            Self::MixedReferences => {
+                "faces where only some corners have a normal or texture coordinate"
+            }
             Self::RepeatedVertex => "faces with a vertex twice",
             Self::ZeroAreaFace => "faces without area",
             Self::UnusedVertex => "vertices that no element uses",
             Self::CoincidentVertex => "vertices exactly where an earlier one lies",
             Self::NonManifoldEdge => "edges shared by more than two faces",
-            Self::InconsistentWinding => "edges along which two faces run the same way (one is inside out)",
+            Self::InconsistentWinding => {
+                "edges along which two faces run the same way (one is inside out)"
+            }
         }
     }
 }
@@ -126,7 +134,12 @@ impl First {
         match self {
             Self::Vertex(v) => format!("vertex {}", v + 1),
             Self::Face(f) => format!("face {}", f + 1),
-            Self::Edge(a, b, f) => format!("edge {}–{} of face {}", u64::from(a) + 1, u64::from(b) + 1, f + 1),
+            Self::Edge(a, b, f) => format!(
+                "edge {}–{} of face {}",
+                u64::from(a) + 1,
+                u64::from(b) + 1,
+                f + 1
+            ),
         }
     }
 }
@@ -144,22 +157,32 @@ impl Tally {
     }
     fn report(self, findings: &mut Vec<Finding>) {
         if let Some(first) = self.2 {
-            findings.push(Finding { kind: self.0, count: self.1, first });
+            findings.push(Finding {
+                kind: self.0,
+                count: self.1,
+                first,
+            });
         }
     }
 }
 
-/// Vertices that lie exactly where an earlier one does. NaNs lie nowhere.
-pub(crate) fn coincident<const D: usize>(points: impl Iterator<Item = [f64; D]>, findings: &mut Vec<Finding>) {
+/// Vertices that lie exactly where an earlier one does. Those that are not finite lie nowhere.
+pub(crate) fn coincident<const D: usize>(
+    points: impl Iterator<Item = [f64; D]>,
+    findings: &mut Vec<Finding>,
+) {
     // Adding 0 turns −0 into 0.
     let mut keyed: Vec<([u64; D], usize)> = points
         .enumerate()
-        .filter(|(_, p)| p.iter().all(|c| !c.is_nan()))
+        .filter(|(_, p)| p.iter().all(|c| c.is_finite()))
         .map(|(i, p)| (p.map(|c| (c + 0.0).to_bits()), i))
         .collect();
     keyed.sort_unstable();
-    let mut again: Vec<usize> =
-        keyed.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1).collect();
+    let mut again: Vec<usize> = keyed
+        .windows(2)
+        .filter(|pair| pair[0].0 == pair[1].0)
+        .map(|pair| pair[1].1)
+        .collect();
     again.sort_unstable();
     let mut tally = Tally::new(ProblemKind::CoincidentVertex);
     again.into_iter().for_each(|v| tally.add(First::Vertex(v)));
@@ -182,11 +205,16 @@ pub(crate) fn faces(faces: &Faces, points: &[DVec3], findings: &mut Vec<Finding>
         sorted.sort_unstable();
         if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
             repeated.add(First::Face(f));
-        } else {
-            let side = |i: usize| points[face[i] as usize] - points[face[(i + 1) % face.len()] as usize];
-            let size = (0..face.len()).fold(0.0_f64, |size, i| size.max(side(i).abs().max_element()));
-            let area = area_vector(face.len(), |i| (points[face[i] as usize] - points[face[0] as usize]) / size).length();
-            // An infinite size: either a point is not finite (reported as such), or the face is too large to tell.
+        } else if face.iter().all(|v| points[*v as usize].is_finite()) {
+            let side =
+                |i: usize| points[face[i] as usize] - points[face[(i + 1) % face.len()] as usize];
+            let size =
+                (0..face.len()).fold(0.0_f64, |size, i| size.max(side(i).abs().max_element()));
+            let area = area_vector(face.len(), |i| {
+                (points[face[i] as usize] - points[face[0] as usize]) / size
+            })
+            .length();
+            // An infinite size: too large to tell.
             if size == 0.0 || size.is_finite() && area <= NO_AREA {
                 flat.add(First::Face(f));
             }
@@ -212,10 +240,14 @@ pub(crate) fn faces(faces: &Faces, points: &[DVec3], findings: &mut Vec<Finding>
             [] => {}
         }
     }
-    for (kind, mut list) in [(ProblemKind::NonManifoldEdge, crowded), (ProblemKind::InconsistentWinding, turned)] {
+    for (kind, mut list) in [
+        (ProblemKind::NonManifoldEdge, crowded),
+        (ProblemKind::InconsistentWinding, turned),
+    ] {
         list.sort_unstable();
         let mut tally = Tally::new(kind);
-        list.into_iter().for_each(|(f, a, b)| tally.add(First::Edge(a, b, f as usize)));
+        list.into_iter()
+            .for_each(|(f, a, b)| tally.add(First::Edge(a, b, f as usize)));
         tally.report(findings);
     }
     boundary
@@ -225,13 +257,18 @@ pub(crate) fn faces(faces: &Faces, points: &[DVec3], findings: &mut Vec<Finding>
 pub(crate) fn unused(used: &[bool], findings: &mut Vec<Finding>) {
     if used.contains(&true) {
         let mut tally = Tally::new(ProblemKind::UnusedVertex);
-        used.iter().enumerate().filter(|(_, u)| !**u).for_each(|(v, _)| tally.add(First::Vertex(v)));
+        used.iter()
+            .enumerate()
+            .filter(|(_, u)| !**u)
+            .for_each(|(v, _)| tally.add(First::Vertex(v)));
         tally.report(findings);
     }
 }
 
 /// Bounds of the finite points.
-pub(crate) fn bounds<const D: usize>(points: impl Iterator<Item = [f64; D]>) -> Option<(Vec<f64>, Vec<f64>)> {
+pub(crate) fn bounds<const D: usize>(
+    points: impl Iterator<Item = [f64; D]>,
+) -> Option<(Vec<f64>, Vec<f64>)> {
     let mut finite = points.filter(|p| p.iter().all(|c| c.is_finite()));
     let first = finite.next()?;
     let (low, high) = finite.fold((first, first), |(mut low, mut high), p| {

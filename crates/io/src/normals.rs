@@ -43,7 +43,10 @@ pub(crate) fn unit(v: DVec3) -> Option<DVec3> {
 /// The angle of a polygon at corner `i` in radians, 0 where a side has no length.
 pub(crate) fn angle(face: &[u32], i: usize, points: &[DVec3]) -> f64 {
     let at = |i: usize| points[face[i % face.len()] as usize];
-    match (unit(at(i + 1) - at(i)), unit(at(i + face.len() - 1) - at(i))) {
+    match (
+        unit(at(i + 1) - at(i)),
+        unit(at(i + face.len() - 1) - at(i)),
+    ) {
         (Some(a), Some(b)) => math::acos(a.dot(b)),
         _ => 0.0,
     }
@@ -68,7 +71,11 @@ impl Mean {
     }
     /// The mean, of unit length; `None` where there was none, or they cancel.
     pub(crate) fn result(&self) -> Option<DVec3> {
-        if self.mixed { unit(self.sum) } else { self.only }
+        if self.mixed {
+            unit(self.sum)
+        } else {
+            self.only
+        }
     }
 }
 
@@ -78,7 +85,13 @@ mod tests {
 
     #[test]
     fn a_cube_corner_points_along_its_diagonal_however_it_is_cut() {
-        let points = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1., 1., 0.)];
+        let points = [
+            DVec3::ZERO,
+            DVec3::X,
+            DVec3::Y,
+            DVec3::Z,
+            DVec3::new(1., 1., 0.),
+        ];
         let mean = |faces: &[&[u32]]| {
             let mut mean = Mean::default();
             for face in faces {

@@ -6,8 +6,8 @@
 
 /// The powers of ten that an `f64` holds exactly.
 const POWERS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
-    1e21, 1e22,
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 /// The largest whole number up to which all are exact in an `f64`.
 const EXACT: u64 = 1 << 53;
@@ -104,7 +104,10 @@ fn c_spelling(text: &str) -> Option<f64> {
     };
     let special = match body.strip_prefix("1.#") {
         Some(rest) => rest.trim_end_matches('0'),
-        None => body.strip_prefix("nan(").and_then(|rest| rest.strip_suffix(')')).map(|_| "nan")?,
+        None => body
+            .strip_prefix("nan(")
+            .and_then(|rest| rest.strip_suffix(')'))
+            .map(|_| "nan")?,
     };
     match special {
         "inf" => Some(sign * f64::INFINITY),
@@ -163,11 +166,19 @@ mod tests {
                 2 => format!("+.{:08}", next() % 100_000_000),
                 3 => format!("{}.e{}", whole % 100, next() % 40),
                 4 => format!("{:.17e}", f64::from_bits(next())),
-                _ => format!("{}.{:06}E-{:03}", next() % 10, next() % 1_000_000, next() % 30),
+                _ => format!(
+                    "{}.{:06}E-{:03}",
+                    next() % 10,
+                    next() % 1_000_000,
+                    next() % 30
+                ),
             };
             let expected: f64 = text.parse().unwrap();
             let read = parse(text.as_bytes()).unwrap();
-            assert!(read.to_bits() == expected.to_bits() || read.is_nan() && expected.is_nan(), "{text}");
+            assert!(
+                read.to_bits() == expected.to_bits() || read.is_nan() && expected.is_nan(),
+                "{text}"
+            );
         }
     }
 
@@ -185,7 +196,11 @@ mod tests {
             let value = f64::from_bits(state);
             if value.is_finite() {
                 let text = written(value);
-                assert_eq!(parse(text.as_bytes()).unwrap().to_bits(), value.to_bits(), "{text}");
+                assert_eq!(
+                    parse(text.as_bytes()).unwrap().to_bits(),
+                    value.to_bits(),
+                    "{text}"
+                );
                 let digits = |s: &str| {
                     let m = s.split('e').next().unwrap();
                     let all: String = m.chars().filter(char::is_ascii_digit).collect();
@@ -205,12 +220,16 @@ mod tests {
         assert_eq!(parse(b".8e-001"), Some(0.08));
         assert_eq!(parse(b"-.7e+02"), Some(-70.0));
         assert_eq!(parse(b"1."), Some(1.0));
-        for nan in ["nan", "-nan", "NaN", "nan(ind)", "-1.#IND", "1.#QNAN0", "1.#IND00"] {
+        for nan in [
+            "nan", "-nan", "NaN", "nan(ind)", "-1.#IND", "1.#QNAN0", "1.#IND00",
+        ] {
             assert!(parse(nan.as_bytes()).is_some_and(f64::is_nan), "{nan}");
         }
         assert_eq!(parse(b"-1.#INF"), Some(f64::NEG_INFINITY));
         assert_eq!(parse(b"1e999"), Some(f64::INFINITY));
-        for bad in ["", "-", ".", "1e", "e5", "1,5", "0x10", "1.#", "1.2.3", "--1", "1f", "\u{661}"] {
+        for bad in [
+            "", "-", ".", "1e", "e5", "1,5", "0x10", "1.#", "1.2.3", "--1", "1f", "\u{661}",
+        ] {
             assert_eq!(parse(bad.as_bytes()), None, "{bad}");
         }
     }

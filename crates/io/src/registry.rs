@@ -24,10 +24,19 @@ pub fn formats() -> &'static [&'static dyn Format] {
 /// [`ReadErrorKind::UnknownFormat`] when neither decides, or [`ReadErrorKind::Encoding`] when the reason is UTF-16.
 pub fn find(head: &[u8], name: Option<&str>) -> Result<&'static dyn Format, ReadError> {
     let head = &head[..head.len().min(HEAD)];
-    let extension = name.and_then(|name| name.rsplit_once('.')).map(|(_, extension)| extension.to_ascii_lowercase());
-    let named = |format: &dyn Format| extension.as_deref().is_some_and(|e| format.extensions().contains(&e));
+    let extension = name
+        .and_then(|name| name.rsplit_once('.'))
+        .map(|(_, extension)| extension.to_ascii_lowercase());
+    let named = |format: &dyn Format| {
+        extension
+            .as_deref()
+            .is_some_and(|e| format.extensions().contains(&e))
+    };
     // max_by_key takes the last of equals, hence the reversal.
-    let best = FORMATS.iter().rev().max_by_key(|format| (format.recognises(head), named(**format)));
+    let best = FORMATS
+        .iter()
+        .rev()
+        .max_by_key(|format| (format.recognises(head), named(**format)));
     if let Some(format) = best {
         if format.recognises(head) > Recognition::No || named(*format) {
             return Ok(*format);
@@ -36,7 +45,10 @@ pub fn find(head: &[u8], name: Option<&str>) -> Result<&'static dyn Format, Read
     if let Some(format) = FORMATS.iter().find(|format| named(**format)) {
         return Ok(*format);
     }
-    if let Some(error) = crate::text::is_wide(head).then(|| crate::text::encoding_error(head, "")).flatten() {
+    if let Some(error) = crate::text::is_wide(head)
+        .then(|| crate::text::encoding_error(head, ""))
+        .flatten()
+    {
         return Err(error);
     }
     let known: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
@@ -51,7 +63,11 @@ pub fn find(head: &[u8], name: Option<&str>) -> Result<&'static dyn Format, Read
 ///
 /// # Errors
 /// As of those two.
-pub fn read(bytes: Vec<u8>, name: Option<&str>, options: &ReadOptions) -> Result<Box<dyn Document>, ReadError> {
+pub fn read(
+    bytes: Vec<u8>,
+    name: Option<&str>,
+    options: &ReadOptions,
+) -> Result<Box<dyn Document>, ReadError> {
     find(&bytes, name)?.read(bytes, options)
 }
 
@@ -63,7 +79,12 @@ mod tests {
     fn names_are_unique_and_well_formed() {
         let mut seen = std::collections::BTreeSet::new();
         for format in formats() {
-            assert!(format.name().chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit()));
+            assert!(
+                format
+                    .name()
+                    .chars()
+                    .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit())
+            );
             assert!(!format.title().is_empty());
             assert!(format.extensions().contains(&format.name()));
             for extension in format.extensions() {
@@ -75,12 +96,26 @@ mod tests {
 
     #[test]
     fn content_wins_over_the_name() {
-        assert_eq!(find(b"v 0 0 0\n", Some("points.csv")).unwrap().name(), "obj");
+        assert_eq!(
+            find(b"v 0 0 0\n", Some("points.csv")).unwrap().name(),
+            "obj"
+        );
         assert_eq!(find(b"x,y\n1,2\n", Some("a.b.OBJ")).unwrap().name(), "csv");
-        assert_eq!(find(b"\xEF\xBB\xBF# head\n\n  v 0 0 0", None).unwrap().name(), "obj");
+        assert_eq!(
+            find(b"\xEF\xBB\xBF# head\n\n  v 0 0 0", None)
+                .unwrap()
+                .name(),
+            "obj"
+        );
         assert_eq!(find(b"", Some("x.obj")).unwrap().name(), "obj");
         assert_eq!(find(b"1,2\n3,4\n", Some("x.CSV")).unwrap().name(), "csv");
-        assert_eq!(find(b"\x89PNG\r\n", None).err().unwrap().kind, ReadErrorKind::UnknownFormat);
-        assert_eq!(find(b"\xFF\xFEv\0 \0", None).err().unwrap().kind, ReadErrorKind::Encoding);
+        assert_eq!(
+            find(b"\x89PNG\r\n", None).err().unwrap().kind,
+            ReadErrorKind::UnknownFormat
+        );
+        assert_eq!(
+            find(b"\xFF\xFEv\0 \0", None).err().unwrap().kind,
+            ReadErrorKind::Encoding
+        );
     }
 }

@@ -15,7 +15,10 @@ pub(crate) fn place(bytes: &[u8], offset: usize) -> (u64, u64) {
 
 /// Whether the bytes look like UTF-16 or UTF-32: by their mark, or because every other byte of the beginning is zero.
 pub(crate) fn is_wide(bytes: &[u8]) -> bool {
-    if bytes.starts_with(b"\xFE\xFF") || bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\0\0\xFE\xFF") {
+    if bytes.starts_with(b"\xFE\xFF")
+        || bytes.starts_with(b"\xFF\xFE")
+        || bytes.starts_with(b"\0\0\xFE\xFF")
+    {
         return true;
     }
     let head = &bytes[..bytes.len().min(64) & !1];
@@ -36,7 +39,10 @@ pub(crate) fn encoding_error(bytes: &[u8], format: &str) -> Option<ReadError> {
     memchr::memchr(0, bytes).map(|at| {
         ReadError::new(
             ReadErrorKind::Encoding,
-            format!("byte {} is zero, so this is binary data and not {format} text", at + 1),
+            format!(
+                "byte {} is zero, so this is binary data and not {format} text",
+                at + 1
+            ),
             "check that the file has the right name and was not damaged in transfer",
         )
     })
@@ -46,7 +52,11 @@ pub(crate) fn encoding_error(bytes: &[u8], format: &str) -> Option<ReadError> {
 pub(crate) fn excerpt(bytes: &[u8]) -> String {
     let head = &bytes[..bytes.len().min(160)];
     let text = String::from_utf8_lossy(head);
-    let mut shown: String = text.chars().take(40).map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect();
+    let mut shown: String = text
+        .chars()
+        .take(40)
+        .map(|c| if c.is_control() { '\u{FFFD}' } else { c })
+        .collect();
     if shown.chars().count() < text.chars().count() || head.len() < bytes.len() {
         shown.push('…');
     }
@@ -60,7 +70,7 @@ pub(crate) fn map<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> 
     if items.len() < 2 {
         return items.iter().map(f).collect();
     }
-    items.par_iter().with_max_len(1).map(f).collect()
+    items.par_iter().with_max_len(1).map(&f).collect()
 }
 
 /// `f` of every item, in order.

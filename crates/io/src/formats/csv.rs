@@ -10,8 +10,8 @@ use crate::inspect::{Finding, First, bounds, coincident};
 use crate::number;
 use crate::text::{BYTE_ORDER_MARK, encoding_error, excerpt, is_wide, place};
 use crate::{
-    Document, Format, Inspection, Moved, Points, Problem, ProblemKind, ReadError, ReadErrorKind, ReadOptions,
-    Recognition, WriteError, WriteReport,
+    Document, Format, Inspection, Moved, Points, Problem, ProblemKind, ReadError, ReadErrorKind,
+    ReadOptions, Recognition, WriteError, WriteReport,
 };
 use anamorph_core::glam::{DVec2, DVec3};
 use core::ops::Range;
@@ -41,8 +41,17 @@ struct OpenQuote(usize);
 
 impl<'a> Records<'a> {
     fn new(bytes: &'a [u8], delimiter: u8) -> Self {
-        let at = if bytes.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
-        Self { bytes, at, delimiter, fields: Vec::new() }
+        let at = if bytes.starts_with(BYTE_ORDER_MARK) {
+            BYTE_ORDER_MARK.len()
+        } else {
+            0
+        };
+        Self {
+            bytes,
+            at,
+            delimiter,
+            fields: Vec::new(),
+        }
     }
 
     /// Reads the next record that is not a blank line into `fields`; `false` at the end.
@@ -63,7 +72,10 @@ impl<'a> Records<'a> {
                     _ => break,
                 }
             }
-            let blank = self.fields.len() == 1 && self.bytes[self.fields[0].clone()].iter().all(|b| is_blank(*b));
+            let blank = self.fields.len() == 1
+                && self.bytes[self.fields[0].clone()]
+                    .iter()
+                    .all(|b| is_blank(*b));
             if !blank {
                 return Ok(true);
             }
@@ -75,7 +87,10 @@ impl<'a> Records<'a> {
     fn field_end(&self, start: usize) -> Result<usize, OpenQuote> {
         let bytes = self.bytes;
         let mut at = start;
-        while bytes.get(at).is_some_and(|b| is_blank(*b) && *b != self.delimiter) {
+        while bytes
+            .get(at)
+            .is_some_and(|b| is_blank(*b) && *b != self.delimiter)
+        {
             at += 1;
         }
         if bytes.get(at) == Some(&b'"') {
@@ -88,7 +103,10 @@ impl<'a> Records<'a> {
                 }
             }
         }
-        while bytes.get(at).is_some_and(|b| *b != self.delimiter && *b != b'\n' && *b != b'\r') {
+        while bytes
+            .get(at)
+            .is_some_and(|b| *b != self.delimiter && *b != b'\n' && *b != b'\r')
+        {
             at += 1;
         }
         Ok(at)
@@ -105,7 +123,11 @@ fn content(bytes: &[u8], field: Range<usize>) -> Range<usize> {
     let trim = |range: Range<usize>| {
         let text = &bytes[range.clone()];
         let front = text.iter().take_while(|b| is_blank(**b)).count();
-        let back = text[front..].iter().rev().take_while(|b| is_blank(**b)).count();
+        let back = text[front..]
+            .iter()
+            .rev()
+            .take_while(|b| is_blank(**b))
+            .count();
         range.start + front..range.end - back
     };
     let outer = trim(field);
@@ -134,13 +156,24 @@ impl Header {
         let names: Vec<String> = (0..records.fields.len())
             .map(|i| String::from_utf8_lossy(&bytes[records.content(i)]).replace("\"\"", "\""))
             .collect();
-        let axes = AXES.map(|axis| (0..names.len()).filter(|i| names[*i].eq_ignore_ascii_case(axis)).collect());
-        Some(Self { delimiter, names, axes })
+        let axes = AXES.map(|axis| {
+            (0..names.len())
+                .filter(|i| names[*i].eq_ignore_ascii_case(axis))
+                .collect()
+        });
+        Some(Self {
+            delimiter,
+            names,
+            axes,
+        })
     }
 
     /// The header with the delimiter that brings out the coordinates, or else most columns.
     fn detect(bytes: &[u8]) -> Option<Self> {
-        let candidates = DELIMITERS.into_iter().rev().filter_map(|delimiter| Self::parse(bytes, delimiter));
+        let candidates = DELIMITERS
+            .into_iter()
+            .rev()
+            .filter_map(|delimiter| Self::parse(bytes, delimiter));
         candidates.max_by_key(|header| (header.is_sufficient(), header.names.len()))
     }
 
@@ -149,20 +182,30 @@ impl Header {
     }
 
     fn error(&self) -> Option<ReadError> {
-        let header = |what: String, mend: &str| Some(ReadError {
-            line: Some(1),
-            ..ReadError::new(ReadErrorKind::Header, what, mend)
-        });
+        let header = |what: String, mend: &str| {
+            Some(ReadError {
+                line: Some(1),
+                ..ReadError::new(ReadErrorKind::Header, what, mend)
+            })
+        };
         for (axis, columns) in AXES.iter().zip(&self.axes) {
             if let [first, second, ..] = columns[..] {
-                let what = format!("columns {} and {} are both called {axis}", first + 1, second + 1);
+                let what = format!(
+                    "columns {} and {} are both called {axis}",
+                    first + 1,
+                    second + 1
+                );
                 return header(what, "rename the one that is not a coordinate");
             }
         }
         if self.is_sufficient() {
             return None;
         }
-        if self.names.iter().all(|name| number::parse(name.as_bytes()).is_some()) {
+        if self
+            .names
+            .iter()
+            .all(|name| number::parse(name.as_bytes()).is_some())
+        {
             let what = "the first row holds numbers, not the names of the columns".to_string();
             return header(what, "add a first line such as x,y or x,y,z");
         }
@@ -228,13 +271,24 @@ impl Format for Csv {
 
 fn open_quote(bytes: &[u8], quote: &OpenQuote) -> ReadError {
     let what = "the quote that begins here is not closed";
-    ReadError::new(ReadErrorKind::Quote, what, "close it, or write two quotes for one").at(bytes, quote.0)
+    ReadError::new(
+        ReadErrorKind::Quote,
+        what,
+        "close it, or write two quotes for one",
+    )
+    .at(bytes, quote.0)
 }
 
 type Read = (Header, Vec<usize>, Positions, Vec<usize>);
 
 fn read_table(bytes: &[u8], options: &ReadOptions) -> Result<Read, ReadError> {
-    let nothing = |what: &str| ReadError::new(ReadErrorKind::NoPoints, what, "give a header x,y or x,y,z and a row per point");
+    let nothing = |what: &str| {
+        ReadError::new(
+            ReadErrorKind::NoPoints,
+            what,
+            "give a header x,y or x,y,z and a row per point",
+        )
+    };
     if is_wide(bytes) {
         // Replaced by what the encoding is.
         return Err(nothing("the text is not UTF-8"));
@@ -248,33 +302,61 @@ fn read_table(bytes: &[u8], options: &ReadOptions) -> Result<Read, ReadError> {
     };
     if let Some(mut error) = header.error() {
         // Blank lines may stand above it.
-        let blank = bytes.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(0);
+        let blank = bytes
+            .iter()
+            .position(|b| !b.is_ascii_whitespace())
+            .unwrap_or(0);
         error.line = Some(place(bytes, blank).0);
         return Err(error);
     }
-    let axes: Vec<usize> = header.axes.iter().filter_map(|columns| columns.first().copied()).collect();
+    let axes: Vec<usize> = header
+        .axes
+        .iter()
+        .filter_map(|columns| columns.first().copied())
+        .collect();
 
     let mut records = Records::new(bytes, header.delimiter);
-    let mut positions = if axes.len() == 2 { Positions::Plane(Vec::new()) } else { Positions::Solid(Vec::new()) };
+    let mut positions = if axes.len() == 2 {
+        Positions::Plane(Vec::new())
+    } else {
+        Positions::Solid(Vec::new())
+    };
     let mut nonfinite = Vec::new();
     let mut point = 0;
     let mut in_header = true;
-    while records.advance().map_err(|quote| open_quote(bytes, &quote))? {
+    while records
+        .advance()
+        .map_err(|quote| open_quote(bytes, &quote))?
+    {
         if core::mem::take(&mut in_header) {
             continue;
         }
         if records.fields.len() != header.names.len() {
             let (got, expected) = (records.fields.len(), header.names.len());
-            let what = format!("the row of point {} has {got} fields, but the header has {expected}", point + 1);
+            let what = format!(
+                "the row of point {} has {got} fields, but the header has {expected}",
+                point + 1
+            );
             let mend = "add the missing fields, or quote a field that contains the delimiter";
-            return Err(ReadError::new(ReadErrorKind::Shape, what, mend).at(bytes, records.fields[0].start));
+            return Err(
+                ReadError::new(ReadErrorKind::Shape, what, mend).at(bytes, records.fields[0].start)
+            );
         }
         let mut coordinates = [0.0; 3];
         for (axis, &column) in axes.iter().enumerate() {
             let content = records.content(column);
             coordinates[axis] = match number::parse(&bytes[content.clone()]) {
                 Some(value) if value.is_finite() || options.allow_nonfinite => value,
-                value => return Err(bad_number(bytes, content, AXES[axis], column, point, value.is_some())),
+                value => {
+                    return Err(bad_number(
+                        bytes,
+                        content,
+                        AXES[axis],
+                        column,
+                        point,
+                        value.is_some(),
+                    ));
+                }
             };
         }
         let [x, y, z] = coordinates;
@@ -302,18 +384,38 @@ fn bad_number(
     is_number: bool,
 ) -> ReadError {
     let shown = excerpt(&bytes[content.clone()]);
-    let whose = format!("the {axis} coordinate of point {} (column {})", point + 1, column + 1);
+    let whose = format!(
+        "the {axis} coordinate of point {} (column {})",
+        point + 1,
+        column + 1
+    );
     let (kind, what, mend) = if is_number {
         let mend = "correct it, or pass such points through untouched with --allow-nonfinite";
-        (ReadErrorKind::NonFinite, format!("{whose} is \"{shown}\", which is not finite"), mend)
+        (
+            ReadErrorKind::NonFinite,
+            format!("{whose} is \"{shown}\", which is not finite"),
+            mend,
+        )
     } else if shown.is_empty() {
-        (ReadErrorKind::Number, format!("{whose} is empty"), "write a number such as -1.5, or remove the row")
+        (
+            ReadErrorKind::Number,
+            format!("{whose} is empty"),
+            "write a number such as -1.5, or remove the row",
+        )
     } else if shown.contains(',') {
         let mend = "write a decimal point, not a comma";
-        (ReadErrorKind::Number, format!("{whose} is \"{shown}\", which is not a number"), mend)
+        (
+            ReadErrorKind::Number,
+            format!("{whose} is \"{shown}\", which is not a number"),
+            mend,
+        )
     } else {
         let mend = "write a number such as -1.5";
-        (ReadErrorKind::Number, format!("{whose} is \"{shown}\", which is not a number"), mend)
+        (
+            ReadErrorKind::Number,
+            format!("{whose} is \"{shown}\", which is not a number"),
+            mend,
+        )
     };
     ReadError::new(kind, what, mend).at(bytes, content.start)
 }
@@ -332,17 +434,24 @@ impl Table {
 
     /// Columns besides the coordinates that have a name of their own and hold numbers only.
     fn numeric_columns(&self) -> Vec<usize> {
-        let named = |i: &usize| !self.names[*i].is_empty() && !self.names[..*i].contains(&self.names[*i]);
-        let mut columns: Vec<usize> =
-            (0..self.names.len()).filter(|i| !self.axes.contains(i)).filter(named).collect();
-        self.rows(|records| columns.retain(|i| number::parse(&self.bytes[records.content(*i)]).is_some()));
+        let named =
+            |i: &usize| !self.names[*i].is_empty() && !self.names[..*i].contains(&self.names[*i]);
+        let mut columns: Vec<usize> = (0..self.names.len())
+            .filter(|i| !self.axes.contains(i))
+            .filter(named)
+            .collect();
+        self.rows(|records| {
+            columns.retain(|i| number::parse(&self.bytes[records.content(*i)]).is_some())
+        });
         columns
     }
 
     /// The values of a numeric column.
     fn column(&self, column: usize) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.points().len());
-        self.rows(|records| values.push(number::parse(&self.bytes[records.content(column)]).unwrap_or(f64::NAN)));
+        self.rows(|records| {
+            values.push(number::parse(&self.bytes[records.content(column)]).unwrap_or(f64::NAN))
+        });
         values
     }
 
@@ -376,10 +485,16 @@ impl Document for Table {
         &self.nonfinite
     }
     fn attributes(&self) -> Vec<String> {
-        self.numeric_columns().into_iter().map(|i| self.names[i].clone()).collect()
+        self.numeric_columns()
+            .into_iter()
+            .map(|i| self.names[i].clone())
+            .collect()
     }
     fn attribute(&self, name: &str) -> Option<Vec<f64>> {
-        let column = self.numeric_columns().into_iter().find(|i| self.names[*i] == name)?;
+        let column = self
+            .numeric_columns()
+            .into_iter()
+            .find(|i| self.names[*i] == name)?;
         Some(self.column(column))
     }
 
@@ -397,7 +512,11 @@ impl Document for Table {
         };
         if let Some(&first) = self.nonfinite.first() {
             let count = self.nonfinite.len() as u64;
-            findings.push(Finding { kind: ProblemKind::NonFinitePoint, count, first: First::Vertex(first) });
+            findings.push(Finding {
+                kind: ProblemKind::NonFinitePoint,
+                count,
+                first: First::Vertex(first),
+            });
         }
         let columns = self.numeric_columns();
         for &column in &columns {
@@ -405,21 +524,37 @@ impl Document for Table {
             let bad = || (0..values.len()).filter(|i| !values[*i].is_finite());
             if let Some(first) = bad().next() {
                 let kind = ProblemKind::NonFiniteAttribute;
-                findings.push(Finding { kind, count: bad().count() as u64, first: First::Vertex(first) });
+                findings.push(Finding {
+                    kind,
+                    count: bad().count() as u64,
+                    first: First::Vertex(first),
+                });
                 // One report of each kind: the first such column.
                 break;
             }
         }
         findings.sort_by_key(|finding| finding.kind);
         let problems = findings.iter().map(|finding| {
-            let point = if let First::Vertex(point) = finding.first { point } else { 0 };
+            let point = if let First::Vertex(point) = finding.first {
+                point
+            } else {
+                0
+            };
             let first = format!("point {}", point + 1);
-            Problem { kind: finding.kind, count: finding.count, first, line: self.line_of(point) }
+            Problem {
+                kind: finding.kind,
+                count: finding.count,
+                first,
+                line: self.line_of(point),
+            }
         });
         Inspection {
             format: self.format(),
             dimension: self.points().dimension(),
-            counts: vec![("points", self.points().len() as u64), ("columns", self.names.len() as u64)],
+            counts: vec![
+                ("points", self.points().len() as u64),
+                ("columns", self.names.len() as u64),
+            ],
             bounds,
             attributes: columns.iter().map(|i| self.names[*i].clone()).collect(),
             problems: problems.collect(),
@@ -440,9 +575,13 @@ impl Document for Table {
             out.write_all(text)
         };
         self.rows(|records| {
-            let (old, new) = (coordinates(self.points(), point), coordinates(moved.points, point));
+            let (old, new) = (
+                coordinates(self.points(), point),
+                coordinates(moved.points, point),
+            );
             point += 1;
-            let moves = old.map(f64::to_bits) != new.map(f64::to_bits) && old.iter().all(|c| c.is_finite());
+            let moves =
+                old.map(f64::to_bits) != new.map(f64::to_bits) && old.iter().all(|c| c.is_finite());
             if !moves || failure.is_some() {
                 return;
             }

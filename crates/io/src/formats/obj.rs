@@ -1,10 +1,11 @@
 //! Wavefront OBJ: text with vertices, polygons, lines and points.
 //!
 //! *Source*: Alias|Wavefront, *Advanced Visualizer Manual*, Appendix B1 "Object Files (.obj)", version 3.0. Where the
-//! text is silent or files differ from it, we read as Blender and `tobj` do:
+//! text is silent or files differ from it, we read as Blender does:
 //!
-//! - A fourth number `w` behind a vertex is the weight of a rational curve's control point, not a divisor: positions are
-//!   x, y, z as written. Three numbers behind a vertex are its colour. Both are attributes and keep their bytes.
+//! - A fourth number `w` behind a vertex is, as the text has it, the weight of a rational curve's control point: the
+//!   position is x, y, z as written. (Blender and tinyobjloader do the same; Assimp and `tobj` divide by it.) Three numbers
+//!   behind a vertex are its colour. Both are attributes and keep their bytes.
 //! - Faces may come before their vertices; relative (negative) indices count back from where they stand.
 //! - The corners of a face may differ in whether they have a texture coordinate or normal.
 //! - Keywords are lower case. Statements other than `v`, `vn`, `vt`, `f`, `l`, `p` are kept and not looked into; free-form
@@ -17,13 +18,15 @@ mod check;
 mod inspect;
 mod normals;
 mod scan;
+#[cfg(test)]
+mod tests;
 mod write;
 
 use crate::faces::{Faces, NONE};
 use crate::text;
 use crate::{
-    Document, Format, Inspection, Mesh, Moved, Points, ReadError, ReadOptions, Recognition, WriteError,
-    WriteReport,
+    Document, Format, Inspection, Mesh, Moved, Points, ReadError, ReadOptions, Recognition,
+    WriteError, WriteReport,
 };
 use anamorph_core::glam::DVec3;
 use core::ops::Range;
@@ -125,12 +128,12 @@ fn position(bytes: &[u8], statement: &Statement) -> Option<DVec3> {
     Some(DVec3::new(next()?, next()?, next()?))
 }
 
-/// Cuts the text behind `start` into ranges of whole statements.
-fn cut(bytes: &[u8], start: usize) -> Vec<Range<usize>> {
+/// Cuts the text behind `start` into ranges of whole statements, each of at least `chunk` bytes but for the last.
+fn cut(bytes: &[u8], start: usize, chunk: usize) -> Vec<Range<usize>> {
     let mut ranges = Vec::new();
     let mut at = start;
     while at < bytes.len() {
-        let mut end = at.saturating_add(CHUNK).min(bytes.len());
+        let mut end = at.saturating_add(chunk).min(bytes.len());
         loop {
             let Some(found) = memchr::memchr(b'\n', &bytes[end..]) else {
                 end = bytes.len();
@@ -167,9 +170,15 @@ fn scan_chunk(bytes: &[u8], range: Range<usize>) -> Scanned {
                 for token in Tokens::of(bytes, &statement) {
                     corners += 1;
                     match Reference::parse(&bytes[token]) {
-                        Some(Reference { vertex: vertex @ 1.., .. }) => found.highest = found.highest.max(vertex),
+                        Some(Reference {
+                            vertex: vertex @ 1..,
+                            ..
+                        }) => found.highest = found.highest.max(vertex),
                         Some(reference) => {
-                            let reach = reference.vertex.unsigned_abs().saturating_sub(found.here.vertices);
+                            let reach = reference
+                                .vertex
+                                .unsigned_abs()
+                                .saturating_sub(found.here.vertices);
                             found.deepest = found.deepest.max(reach);
                         }
                         None => found.broken = true,
@@ -197,8 +206,20 @@ impl Format for Obj {
 
     fn recognises(&self, head: &[u8]) -> Recognition {
         const OTHERS: [&[u8]; 14] = [
-            b"o", b"g", b"s", b"mg", b"mtllib", b"usemtl", b"usemap", b"vp", b"cstype", b"deg", b"lod", b"bevel",
-            b"maplib", b"c_interp",
+            b"o",
+            b"g",
+            b"s",
+            b"mg",
+            b"mtllib",
+            b"usemtl",
+            b"usemap",
+            b"vp",
+            b"cstype",
+            b"deg",
+            b"lod",
+            b"bevel",
+            b"maplib",
+            b"c_interp",
         ];
         let head = head.strip_prefix(text::BYTE_ORDER_MARK).unwrap_or(head);
         let mut recognition = Recognition::No;
@@ -210,13 +231,22 @@ impl Format for Obj {
                         crate::number::parse(&head[t.clone()]).is_some() || t.end == head.len()
                     });
                     let complete = numbers.count() == 3;
-                    return if complete { Recognition::Certain } else { recognition };
+                    return if complete {
+                        Recognition::Certain
+                    } else {
+                        recognition
+                    };
                 }
                 Keyword::Other => {
-                    let whole = Statement { arguments: statement.start, ..statement };
+                    let whole = Statement {
+                        arguments: statement.start,
+                        ..statement
+                    };
                     match Tokens::of(head, &whole).next() {
                         None => {}
-                        Some(token) if OTHERS.contains(&&head[token.clone()]) => recognition = Recognition::Possible,
+                        Some(token) if OTHERS.contains(&&head[token.clone()]) => {
+                            recognition = Recognition::Possible
+                        }
                         Some(_) => return recognition,
                     }
                 }
@@ -227,47 +257,66 @@ impl Format for Obj {
     }
 
     fn read(&self, bytes: Vec<u8>, options: &ReadOptions) -> Result<Box<dyn Document>, ReadError> {
-        if text::is_wide(&bytes) {
-            if let Some(error) = text::encoding_error(&bytes, "OBJ") {
-                return Err(error);
-            }
-        }
-        let start = if bytes.starts_with(text::BYTE_ORDER_MARK) { text::BYTE_ORDER_MARK.len() } else { 0 };
-        let ranges = cut(&bytes, start);
-        let scanned = text::map(&ranges, |range| scan_chunk(&bytes, range.clone()));
-
-        let totals = scanned.iter().fold(Counts::default(), |sum, chunk| sum.plus(chunk.here));
-        let mut suspicious = totals.vertices == 0 || totals.vertices > MOST || totals.normals > MOST;
-        let mut before = Counts::default();
-        for chunk in &scanned {
-            let out_of_range = chunk.highest as u64 > totals.vertices || chunk.deepest > before.vertices;
-            suspicious |= chunk.broken || out_of_range || !chunk.nonfinite.is_empty() && !options.allow_nonfinite;
-            before = before.plus(chunk.here);
-        }
-        // Old Macintosh text: everything would be a single statement.
-        let one_line = memchr::memchr(b'\n', &bytes).is_none();
-        suspicious |= one_line && memchr::memchr(b'\r', bytes.trim_ascii_end()).is_some();
-        if suspicious {
-            check::first_error(&bytes, start, totals, options)?;
-        }
-
-        let mut document = Text {
-            chunks: Vec::with_capacity(ranges.len()),
-            totals,
-            positions: Vec::with_capacity(totals.vertices as usize),
-            nonfinite: Vec::new(),
-            bytes,
-        };
-        let mut before = Counts::default();
-        for (range, chunk) in ranges.into_iter().zip(scanned) {
-            let first = document.positions.len();
-            document.nonfinite.extend(chunk.nonfinite.iter().map(|i| first + i));
-            document.positions.extend_from_slice(&chunk.positions);
-            document.chunks.push(Chunk { range, before, here: chunk.here });
-            before = before.plus(chunk.here);
-        }
-        Ok(Box::new(document))
+        Ok(Box::new(read(bytes, options, CHUNK)?))
     }
+}
+
+/// Reads a file in chunks of about `chunk` bytes.
+fn read(bytes: Vec<u8>, options: &ReadOptions, chunk: usize) -> Result<Text, ReadError> {
+    if text::is_wide(&bytes) {
+        if let Some(error) = text::encoding_error(&bytes, "OBJ") {
+            return Err(error);
+        }
+    }
+    let start = if bytes.starts_with(text::BYTE_ORDER_MARK) {
+        text::BYTE_ORDER_MARK.len()
+    } else {
+        0
+    };
+    let ranges = cut(&bytes, start, chunk);
+    let scanned = text::map(&ranges, |range| scan_chunk(&bytes, range.clone()));
+
+    let totals = scanned
+        .iter()
+        .fold(Counts::default(), |sum, chunk| sum.plus(chunk.here));
+    let mut suspicious = totals.vertices == 0 || totals.vertices > MOST || totals.normals > MOST;
+    let mut before = Counts::default();
+    for chunk in &scanned {
+        let out_of_range =
+            chunk.highest as u64 > totals.vertices || chunk.deepest > before.vertices;
+        suspicious |=
+            chunk.broken || out_of_range || !chunk.nonfinite.is_empty() && !options.allow_nonfinite;
+        before = before.plus(chunk.here);
+    }
+    // Old Macintosh text: everything would be a single statement.
+    let one_line = memchr::memchr(b'\n', &bytes).is_none();
+    suspicious |= one_line && memchr::memchr(b'\r', bytes.trim_ascii_end()).is_some();
+    if suspicious {
+        check::first_error(&bytes, start, totals, options)?;
+    }
+
+    let mut document = Text {
+        chunks: Vec::with_capacity(ranges.len()),
+        totals,
+        positions: Vec::with_capacity(totals.vertices as usize),
+        nonfinite: Vec::new(),
+        bytes,
+    };
+    let mut before = Counts::default();
+    for (range, chunk) in ranges.into_iter().zip(scanned) {
+        let first = document.positions.len();
+        document
+            .nonfinite
+            .extend(chunk.nonfinite.iter().map(|i| first + i));
+        document.positions.extend_from_slice(&chunk.positions);
+        document.chunks.push(Chunk {
+            range,
+            before,
+            here: chunk.here,
+        });
+        before = before.plus(chunk.here);
+    }
+    Ok(document)
 }
 
 /// The elements of a chunk that make sense.
@@ -286,12 +335,16 @@ impl Text {
     /// The vertex that a reference means, if it exists.
     #[inline]
     fn vertex(&self, reference: Reference, before: Counts) -> Option<u32> {
-        resolve(reference.vertex, before.vertices).filter(|v| *v < self.totals.vertices).map(|v| v as u32)
+        resolve(reference.vertex, before.vertices)
+            .filter(|v| *v < self.totals.vertices)
+            .map(|v| v as u32)
     }
     /// The normal that a reference means, if it has one and it exists.
     #[inline]
     fn normal(&self, reference: Reference, before: Counts) -> Option<u32> {
-        resolve(reference.normal, before.normals).filter(|n| *n < self.totals.normals).map(|n| n as u32)
+        resolve(reference.normal, before.normals)
+            .filter(|n| *n < self.totals.normals)
+            .map(|n| n as u32)
     }
 
     fn elements_of(&self, chunk: &Chunk, with_normals: bool) -> Elements {
@@ -299,14 +352,21 @@ impl Text {
         let mut before = chunk.before;
         let mut corners = Vec::new();
         for statement in self.statements(chunk) {
-            if matches!(statement.keyword, Keyword::Face | Keyword::Line | Keyword::Point) {
+            if matches!(
+                statement.keyword,
+                Keyword::Face | Keyword::Line | Keyword::Point
+            ) {
                 corners.clear();
                 let mut sound = true;
                 for token in Tokens::of(&self.bytes, &statement) {
                     let reference = Reference::parse(&self.bytes[token]);
                     match reference.and_then(|r| Some((self.vertex(r, before)?, r))) {
                         Some((vertex, reference)) => {
-                            let normal = if with_normals { self.normal(reference, before) } else { None };
+                            let normal = if with_normals {
+                                self.normal(reference, before)
+                            } else {
+                                None
+                            };
                             corners.push((vertex, normal.unwrap_or(NONE)));
                         }
                         None => sound = false,
@@ -321,7 +381,9 @@ impl Text {
                     }
                     elements.faces.close();
                 } else if statement.keyword == Keyword::Line {
-                    elements.lines.extend(corners.windows(2).map(|pair| [pair[0].0, pair[1].0]));
+                    elements
+                        .lines
+                        .extend(corners.windows(2).map(|pair| [pair[0].0, pair[1].0]));
                 } else {
                     elements.points.extend(corners.iter().map(|c| c.0));
                 }
@@ -353,7 +415,9 @@ impl Text {
 
     fn vertex_statements(&self) -> impl Iterator<Item = Statement> {
         let chunks = self.chunks.iter().filter(|chunk| chunk.here.vertices > 0);
-        chunks.flat_map(|chunk| self.statements(chunk)).filter(|s| s.keyword == Keyword::Vertex)
+        chunks
+            .flat_map(|chunk| self.statements(chunk))
+            .filter(|s| s.keyword == Keyword::Vertex)
     }
 }
 
@@ -398,15 +462,24 @@ impl Document for Text {
                 return Vec::new();
             }
         }
-        if colours { COLOURS.map(String::from).to_vec() } else { vec![WEIGHT.to_string()] }
+        if colours {
+            COLOURS.map(String::from).to_vec()
+        } else {
+            vec![WEIGHT.to_string()]
+        }
     }
 
     fn attribute(&self, name: &str) -> Option<Vec<f64>> {
         if !self.attributes().iter().any(|known| known == name) {
             return None;
         }
-        let place = COLOURS.iter().position(|colour| *colour == name).unwrap_or(0);
-        self.vertex_statements().map(|statement| self.extras(&statement).nth(place)).collect()
+        let place = COLOURS
+            .iter()
+            .position(|colour| *colour == name)
+            .unwrap_or(0);
+        self.vertex_statements()
+            .map(|statement| self.extras(&statement).nth(place))
+            .collect()
     }
 
     fn inspect(&self) -> Inspection {

@@ -16,7 +16,9 @@ pub(super) fn first_error(
     if let Some(error) = encoding_error(bytes, "OBJ") {
         return Err(error);
     }
-    if memchr::memchr(b'\n', bytes).is_none() && memchr::memchr(b'\r', bytes.trim_ascii_end()).is_some() {
+    if memchr::memchr(b'\n', bytes).is_none()
+        && memchr::memchr(b'\r', bytes.trim_ascii_end()).is_some()
+    {
         return Err(ReadError::new(
             ReadErrorKind::Encoding,
             "the lines end in carriage returns alone, as on old Macintosh systems",
@@ -26,7 +28,10 @@ pub(super) fn first_error(
     if totals.vertices > MOST || totals.normals > MOST {
         return Err(ReadError::new(
             ReadErrorKind::TooLarge,
-            format!("the file has {} vertices and {} normals", totals.vertices, totals.normals),
+            format!(
+                "the file has {} vertices and {} normals",
+                totals.vertices, totals.normals
+            ),
             format!("split it into parts of at most {MOST} of each"),
         ));
     }
@@ -44,21 +49,30 @@ pub(super) fn first_error(
     if totals.vertices == 0 {
         return Err(ReadError::new(
             ReadErrorKind::NoPoints,
-            if bytes.is_empty() { "the file is empty" } else { "the file has no vertices" },
+            if bytes.is_empty() {
+                "the file is empty"
+            } else {
+                "the file has no vertices"
+            },
             "give an OBJ file with lines such as `v 0 0 0`",
         ));
     }
     Ok(())
 }
 
-fn vertex(bytes: &[u8], statement: &Statement, before: Counts, options: &ReadOptions) -> Result<(), ReadError> {
+fn vertex(
+    bytes: &[u8],
+    statement: &Statement,
+    before: Counts,
+    options: &ReadOptions,
+) -> Result<(), ReadError> {
     let number = before.vertices + 1;
     let mut tokens = Tokens::of(bytes, statement);
     for (found, axis) in ["x", "y", "z"].into_iter().enumerate() {
         let Some((value, token)) = tokens.number() else {
             return Err(ReadError::new(
                 ReadErrorKind::Shape,
-                format!("vertex {number} has {found} of the 3 coordinates it needs"),
+                format!("vertex {number} has {found} coordinates and needs 3"),
                 "write its x, y and z behind the v",
             )
             .at(bytes, statement.start));
@@ -67,12 +81,20 @@ fn vertex(bytes: &[u8], statement: &Statement, before: Counts, options: &ReadOpt
         let error = match value {
             None => ReadError::new(
                 ReadErrorKind::Number,
-                format!("the {axis} coordinate of vertex {number} is \"{shown}\", which is not a number"),
-                if shown.contains(',') { "write a decimal point, not a comma" } else { "write a number such as -1.5" },
+                format!(
+                    "the {axis} coordinate of vertex {number} is \"{shown}\", which is not a number"
+                ),
+                if shown.contains(',') {
+                    "write a decimal point, not a comma"
+                } else {
+                    "write a number such as -1.5"
+                },
             ),
             Some(value) if !value.is_finite() && !options.allow_nonfinite => ReadError::new(
                 ReadErrorKind::NonFinite,
-                format!("the {axis} coordinate of vertex {number} is \"{shown}\", which is not finite"),
+                format!(
+                    "the {axis} coordinate of vertex {number} is \"{shown}\", which is not finite"
+                ),
                 "correct it, or pass such points through untouched with --allow-nonfinite",
             ),
             Some(_) => continue,
@@ -109,12 +131,18 @@ pub(super) fn element(
         corners += 1;
         let text = &bytes[token.clone()];
         let shown = excerpt(text);
-        let zero = || text.split(|b| *b == b'/').any(|part| !part.is_empty() && part.iter().all(|b| *b == b'0'));
+        let zero = || {
+            text.split(|b| *b == b'/')
+                .any(|part| !part.is_empty() && part.iter().all(|b| *b == b'0'))
+        };
         let error = match Reference::parse(text) {
             Some(reference) => match resolve(reference.vertex, before.vertices) {
                 Some(vertex) if vertex < totals.vertices => continue,
                 Some(_) => broken(
-                    format!("{name} {number} refers to vertex \"{shown}\", but the file has {} vertices", totals.vertices),
+                    format!(
+                        "{name} {number} refers to vertex \"{shown}\", but the file has {} vertices",
+                        totals.vertices
+                    ),
                     "correct the index, or add the missing vertices",
                 ),
                 None => broken(
@@ -139,8 +167,8 @@ pub(super) fn element(
     let needed = fewest(statement.keyword);
     if corners < needed {
         let error = broken(
-            format!("{name} {number} has {corners} of the at least {needed} corners it needs"),
-            "add the missing corners, or remove the line",
+            format!("{name} {number} has {corners} corners and needs at least {needed}"),
+            "add the missing corners, or remove the statement",
         );
         return Err(error.at(bytes, statement.start));
     }

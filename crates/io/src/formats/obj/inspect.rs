@@ -13,14 +13,24 @@ pub(super) fn inspect(text: &Text) -> Inspection {
 
     let mut used = vec![false; text.positions.len()];
     let in_lines = elements.lines.iter().flatten();
-    for &vertex in elements.faces.vertices.iter().chain(in_lines).chain(&elements.points) {
+    for &vertex in elements
+        .faces
+        .vertices
+        .iter()
+        .chain(in_lines)
+        .chain(&elements.points)
+    {
         used[vertex as usize] = true;
     }
     unused(&used, &mut findings);
     coincident(text.positions.iter().map(|p| p.to_array()), &mut findings);
     if let Some(&first) = text.nonfinite.first() {
         let count = text.nonfinite.len() as u64;
-        findings.push(Finding { kind: ProblemKind::NonFinitePoint, count, first: First::Vertex(first) });
+        findings.push(Finding {
+            kind: ProblemKind::NonFinitePoint,
+            count,
+            first: First::Vertex(first),
+        });
     }
 
     let attributes = text.attributes();
@@ -66,21 +76,30 @@ fn in_statements(text: &Text, coloured: bool) -> Vec<Problem> {
     let mut before = Counts::default();
     for statement in text.chunks.iter().flat_map(|chunk| text.statements(chunk)) {
         match statement.keyword {
-            Keyword::Vertex if coloured && text.extras(&statement).take(3).any(|c| !c.is_finite()) => {
+            Keyword::Vertex
+                if coloured && text.extras(&statement).take(3).any(|c| !c.is_finite()) =>
+            {
                 let first = || format!("the colour of vertex {}", before.vertices + 1);
                 add(ProblemKind::NonFiniteAttribute, &statement, &first);
             }
-            Keyword::Normal if super::position(&text.bytes, &statement).is_none_or(|n| !n.is_finite()) => {
-                add(ProblemKind::NonFiniteNormal, &statement, &|| format!("normal {}", before.normals + 1));
+            Keyword::Normal
+                if super::position(&text.bytes, &statement).is_none_or(|n| !n.is_finite()) =>
+            {
+                add(ProblemKind::NonFiniteNormal, &statement, &|| {
+                    format!("normal {}", before.normals + 1)
+                });
             }
             Keyword::Face | Keyword::Line | Keyword::Point => {
                 if let Err(error) = check::element(&text.bytes, &statement, before, text.totals) {
-                    add(ProblemKind::BrokenElement, &statement, &|| error.what.clone());
+                    add(ProblemKind::BrokenElement, &statement, &|| {
+                        error.what.clone()
+                    });
                 } else {
                     let name = check::element_name(statement.keyword);
                     let (dangling, mixed) = loose_references(text, &statement, before);
                     if let Some(what) = dangling {
-                        let first = || format!("{name} {}: {what}", number(before, statement.keyword));
+                        let first =
+                            || format!("{name} {}: {what}", number(before, statement.keyword));
                         add(ProblemKind::DanglingReference, &statement, &first);
                     }
                     if mixed {
@@ -110,10 +129,17 @@ fn number(before: Counts, keyword: Keyword) -> u64 {
 fn loose_references(text: &Text, statement: &Statement, before: Counts) -> (Option<String>, bool) {
     let (mut dangling, mut shapes) = (None, [false; 4]);
     for token in Tokens::of(&text.bytes, statement) {
-        let Some(reference) = Reference::parse(&text.bytes[token]) else { continue };
+        let Some(reference) = Reference::parse(&text.bytes[token]) else {
+            continue;
+        };
         let (texture, normal) = (reference.texture, reference.normal);
         shapes[usize::from(texture != 0) + 2 * usize::from(normal != 0)] = true;
-        let textures = (texture, before.textures, text.totals.textures, "texture coordinate");
+        let textures = (
+            texture,
+            before.textures,
+            text.totals.textures,
+            "texture coordinate",
+        );
         let normals = (normal, before.normals, text.totals.normals, "normal");
         for (written, before, total, what) in [textures, normals] {
             if written != 0 && resolve(written, before).is_none_or(|index| index >= total) {
@@ -128,10 +154,17 @@ fn loose_references(text: &Text, statement: &Statement, before: Counts) -> (Opti
 fn named(text: &Text, finding: &Finding) -> Problem {
     let (first, offset) = match finding.first {
         First::Vertex(v) => {
-            let chunk = text.chunks.iter().rfind(|c| c.here.vertices > 0 && c.before.vertices <= v as u64);
+            let chunk = text
+                .chunks
+                .iter()
+                .rfind(|c| c.here.vertices > 0 && c.before.vertices <= v as u64);
             let offset = chunk.and_then(|chunk| {
-                let mut vertices = text.statements(chunk).filter(|s| s.keyword == Keyword::Vertex);
-                vertices.nth(v - chunk.before.vertices as usize).map(|s| s.start)
+                let mut vertices = text
+                    .statements(chunk)
+                    .filter(|s| s.keyword == Keyword::Vertex);
+                vertices
+                    .nth(v - chunk.before.vertices as usize)
+                    .map(|s| s.start)
             });
             (finding.first, offset)
         }
@@ -157,7 +190,9 @@ fn sound_face(text: &Text, sound: usize) -> Option<(usize, usize)> {
     let mut before = Counts::default();
     let mut passed = 0;
     for statement in text.chunks.iter().flat_map(|chunk| text.statements(chunk)) {
-        if statement.keyword == Keyword::Face && check::element(&text.bytes, &statement, before, text.totals).is_ok() {
+        if statement.keyword == Keyword::Face
+            && check::element(&text.bytes, &statement, before, text.totals).is_ok()
+        {
             if passed == sound {
                 return Some((before.faces as usize, statement.start));
             }

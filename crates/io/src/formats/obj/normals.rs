@@ -38,7 +38,10 @@ impl Plan {
     /// The index that a corner shall refer to instead, if it shall.
     pub(super) fn redirect(&self, normal: u32, vertex: u32) -> Option<u64> {
         let key = key(normal, vertex);
-        self.redirected.binary_search_by_key(&key, |entry| entry.0).ok().map(|at| self.redirected[at].1)
+        self.redirected
+            .binary_search_by_key(&key, |entry| entry.0)
+            .ok()
+            .map(|at| self.redirected[at].1)
     }
 }
 
@@ -86,7 +89,10 @@ impl Uses {
         if *self.first.get(normal as usize)? == vertex {
             return Some(normal as usize);
         }
-        self.others.binary_search(&key(normal, vertex)).ok().map(|at| self.first.len() + at)
+        self.others
+            .binary_search(&key(normal, vertex))
+            .ok()
+            .map(|at| self.first.len() + at)
     }
 }
 
@@ -109,8 +115,12 @@ pub(super) fn plan(text: &Text, moved: &[DVec3], policy: Normals<'_>) -> Option<
 /// The normals of the file.
 fn stored(text: &Text) -> Vec<DVec3> {
     let parts = text::map(&text.chunks, |chunk| -> Vec<DVec3> {
-        let lines = text.statements(chunk).filter(|s| s.keyword == Keyword::Normal);
-        lines.map(|line| position(&text.bytes, &line).unwrap_or(DVec3::NAN)).collect()
+        let lines = text
+            .statements(chunk)
+            .filter(|s| s.keyword == Keyword::Normal);
+        lines
+            .map(|line| position(&text.bytes, &line).unwrap_or(DVec3::NAN))
+            .collect()
     });
     parts.concat()
 }
@@ -126,7 +136,11 @@ enum Value {
 }
 
 fn usable(value: DVec3) -> Value {
-    if value.is_finite() && value != DVec3::ZERO { Value::New(value) } else { Value::Unusable }
+    if value.is_finite() && value != DVec3::ZERO {
+        Value::New(value)
+    } else {
+        Value::Unusable
+    }
 }
 
 /// Uses evaluated together.
@@ -138,7 +152,9 @@ fn transformed(uses: &Uses, old: &[DVec3], positions: &[DVec3], map: NormalMap<'
         let numbers = start..(start + BATCH).min(uses.len());
         numbers
             .map(|number| match uses.get(number) {
-                Some((n, v)) if old[n as usize].is_finite() && positions[v as usize].is_finite() => {
+                Some((n, v))
+                    if old[n as usize].is_finite() && positions[v as usize].is_finite() =>
+                {
                     usable(map(v as usize, old[n as usize]))
                 }
                 _ => Value::Old,
@@ -148,12 +164,20 @@ fn transformed(uses: &Uses, old: &[DVec3], positions: &[DVec3], map: NormalMap<'
     parts.concat()
 }
 
-fn recomputed(uses: &Uses, old: &[DVec3], faces: &Faces, positions: &[DVec3], moved: &[DVec3]) -> Vec<Value> {
+fn recomputed(
+    uses: &Uses,
+    old: &[DVec3],
+    faces: &Faces,
+    positions: &[DVec3],
+    moved: &[DVec3],
+) -> Vec<Value> {
     let mut means = vec![Mean::default(); uses.len()];
     let mut touched = vec![false; uses.len()];
     for f in 0..faces.len() {
         let face = faces.vertices(f);
-        let moves = face.iter().any(|v| !same(positions[*v as usize], moved[*v as usize]));
+        let moves = face
+            .iter()
+            .any(|v| !same(positions[*v as usize], moved[*v as usize]));
         let normal = unit_normal(face, moved);
         for (i, (&v, &n)) in face.iter().zip(faces.normals(f)).enumerate() {
             if let Some(number) = uses.number(n, v) {
@@ -180,10 +204,17 @@ fn assign(old: Vec<DVec3>, uses: &Uses, values: &[Value]) -> Plan {
         _ => old,
     };
     let mut plan = Plan {
-        new: old.iter().enumerate().map(|(n, old)| value(n, *old)).collect(),
+        new: old
+            .iter()
+            .enumerate()
+            .map(|(n, old)| value(n, *old))
+            .collect(),
         redirected: Vec::new(),
         added: Vec::new(),
-        kept: values.iter().filter(|value| matches!(value, Value::Unusable)).count(),
+        kept: values
+            .iter()
+            .filter(|value| matches!(value, Value::Unusable))
+            .count(),
         old,
     };
     let mut at = 0;
@@ -194,7 +225,10 @@ fn assign(old: Vec<DVec3>, uses: &Uses, values: &[Value]) -> Plan {
         // All uses of this normal, the first one first.
         let old = plan.old[n];
         let first = (key(n as u32, uses.first[n]), plan.new[n]);
-        let others = same_normal.iter().enumerate().map(|(i, key)| (*key, value(number + i, old)));
+        let others = same_normal
+            .iter()
+            .enumerate()
+            .map(|(i, key)| (*key, value(number + i, old)));
         let mut all: Vec<(u64, DVec3)> = core::iter::once(first).chain(others).collect();
         if all.iter().any(|(_, value)| same(*value, old)) {
             plan.new[n] = old;
@@ -204,7 +238,10 @@ fn assign(old: Vec<DVec3>, uses: &Uses, values: &[Value]) -> Plan {
         // Like values together; the order of those that differ is of no account, but must be fixed.
         all.sort_by(|a, b| {
             let coordinates = a.1.to_array().into_iter().zip(b.1.to_array());
-            coordinates.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(a.0.cmp(&b.0))
+            coordinates
+                .map(|(a, b)| a.total_cmp(&b))
+                .find(|order| order.is_ne())
+                .unwrap_or(a.0.cmp(&b.0))
         });
         let mut last: Option<DVec3> = None;
         for (key, value) in all {
@@ -212,7 +249,8 @@ fn assign(old: Vec<DVec3>, uses: &Uses, values: &[Value]) -> Plan {
                 plan.added.push(value);
                 last = Some(value);
             }
-            plan.redirected.push((key, (uses.first.len() + plan.added.len() - 1) as u64));
+            plan.redirected
+                .push((key, (uses.first.len() + plan.added.len() - 1) as u64));
         }
     }
     plan.redirected.sort_unstable();

@@ -57,7 +57,11 @@ pub(super) struct Statements<'a> {
 
 impl<'a> Statements<'a> {
     pub(super) fn new(bytes: &'a [u8], range: core::ops::Range<usize>) -> Self {
-        Self { bytes, at: range.start, end: range.end }
+        Self {
+            bytes,
+            at: range.start,
+            end: range.end,
+        }
     }
 }
 
@@ -74,7 +78,10 @@ impl Iterator for Statements<'_> {
         let mut line = start;
         let end = loop {
             let end = memchr::memchr(b'\n', &bytes[line..]).map_or(bytes.len(), |at| line + at);
-            if end == bytes.len() || !ends_in_backslash(bytes, line, end) || has_comment(&bytes[line..end]) {
+            if end == bytes.len()
+                || !ends_in_backslash(bytes, line, end)
+                || has_comment(&bytes[line..end])
+            {
                 break end;
             }
             line = end + 1;
@@ -96,7 +103,12 @@ impl Iterator for Statements<'_> {
             Some(b'p') if separated(at + 1) => (Keyword::Point, 1),
             _ => (Keyword::Other, 0),
         };
-        Some(Statement { keyword, start, arguments: at + length, end })
+        Some(Statement {
+            keyword,
+            start,
+            arguments: at + length,
+            end,
+        })
     }
 }
 
@@ -109,7 +121,10 @@ pub(super) struct Tokens<'a> {
 impl<'a> Tokens<'a> {
     /// The tokens of a statement after its keyword.
     pub(super) fn of(bytes: &'a [u8], statement: &Statement) -> Self {
-        Self { bytes: &bytes[..statement.end], at: statement.arguments }
+        Self {
+            bytes: &bytes[..statement.end],
+            at: statement.arguments,
+        }
     }
 
     /// Goes to the start of the next token; `false` at the end or a comment.
@@ -128,7 +143,10 @@ impl<'a> Tokens<'a> {
 
     /// Whether the backslash at `at` stands at the end of its line.
     fn joins(&self, at: usize) -> bool {
-        self.bytes[at + 1..].iter().find(|b| !is_blank(**b)).is_none_or(|b| *b == b'\n')
+        self.bytes[at + 1..]
+            .iter()
+            .find(|b| !is_blank(**b))
+            .is_none_or(|b| *b == b'\n')
     }
 
     /// The next token must be a number: its value (`None` when it is none) and its place.
@@ -186,7 +204,10 @@ impl Reference {
     pub(super) fn parse(token: &[u8]) -> Option<Reference> {
         let mut at = 0;
         let vertex = whole(token, &mut at)?;
-        let mut reference = Reference { vertex, ..Reference::default() };
+        let mut reference = Reference {
+            vertex,
+            ..Reference::default()
+        };
         if at == token.len() {
             return Some(reference);
         }
@@ -233,7 +254,11 @@ fn whole(token: &[u8], at: &mut usize) -> Option<i64> {
     };
     let begin = *at;
     let mut value = 0i64;
-    while let Some(digit) = token.get(*at).map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
+    while let Some(digit) = token
+        .get(*at)
+        .map(|b| b.wrapping_sub(b'0'))
+        .filter(|d| *d < 10)
+    {
         value = value.saturating_mul(10).saturating_add(i64::from(digit));
         *at += 1;
     }
@@ -257,7 +282,12 @@ mod tests {
 
     fn statements(text: &str) -> Vec<(Keyword, Vec<&str>)> {
         Statements::new(text.as_bytes(), 0..text.len())
-            .map(|s| (s.keyword, Tokens::of(text.as_bytes(), &s).map(|t| &text[t]).collect()))
+            .map(|s| {
+                (
+                    s.keyword,
+                    Tokens::of(text.as_bytes(), &s).map(|t| &text[t]).collect(),
+                )
+            })
             .collect()
     }
 
@@ -265,7 +295,9 @@ mod tests {
     fn lines_are_joined_by_a_backslash_but_not_in_a_comment() {
         use Keyword::{Face, Other, Vertex};
         assert_eq!(
-            statements("v 1 \\\r\n2\\\n 3\nf 1 2 \\  \n\\\n 3\n# C:\\dir\\\nv\t4 5 6 # tail \\\n  v 7 8 9 \\"),
+            statements(
+                "v 1 \\\r\n2\\\n 3\nf 1 2 \\  \n\\\n 3\n# C:\\dir\\\nv\t4 5 6 # tail \\\n  v 7 8 9 \\"
+            ),
             [
                 (Vertex, vec!["1", "2", "3"]),
                 (Face, vec!["1", "2", "3"]),
@@ -280,16 +312,23 @@ mod tests {
     fn keywords_are_whole_words() {
         use Keyword::{Line, Normal, Other, Point, Texture, Vertex};
         let keywords: Vec<_> =
-            statements("vn 1\nvt 1\nvp 1\nvn\nv\nfoo\nline\nl 1\np 1\n\ng f\nv1 2 3\nV 1").into_iter().map(|s| s.0).collect();
+            statements("vn 1\nvt 1\nvp 1\nvn\nv\nfoo\nline\nl 1\np 1\n\ng f\nv1 2 3\nV 1")
+                .into_iter()
+                .map(|s| s.0)
+                .collect();
         assert_eq!(
             keywords,
-            [Normal, Texture, Other, Normal, Vertex, Other, Other, Line, Point, Other, Other, Other, Other]
+            [
+                Normal, Texture, Other, Normal, Vertex, Other, Other, Line, Point, Other, Other,
+                Other, Other
+            ]
         );
     }
 
     #[test]
     fn references() {
-        let read = |text: &str| Reference::parse(text.as_bytes()).map(|r| (r.vertex, r.texture, r.normal));
+        let read =
+            |text: &str| Reference::parse(text.as_bytes()).map(|r| (r.vertex, r.texture, r.normal));
         assert_eq!(read("7"), Some((7, 0, 0)));
         assert_eq!(read("7/8"), Some((7, 8, 0)));
         assert_eq!(read("-7//9"), Some((-7, 0, 9)));
@@ -297,7 +336,10 @@ mod tests {
         assert_eq!(read("7//"), Some((7, 0, 0)));
         assert_eq!(read("7/8/"), Some((7, 8, 0)));
         assert_eq!(read("99999999999999999999"), Some((i64::MAX, 0, 0)));
-        for bad in ["0", "7/0", "7//0", "a", "7/8/9/1", "7/8/9/", "/1", "7 ", "1.0", "-", "", "7///", "1/2x", "1x/2"] {
+        for bad in [
+            "0", "7/0", "7//0", "a", "7/8/9/1", "7/8/9/", "/1", "7 ", "1.0", "-", "", "7///",
+            "1/2x", "1x/2",
+        ] {
             assert_eq!(read(bad), None, "{bad}");
         }
         assert_eq!(resolve(3, 0), Some(2));

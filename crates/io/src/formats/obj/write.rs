@@ -12,14 +12,25 @@ use std::io::Write;
 /// Chunks whose new text is in memory at a time: bounds memory, and feeds as many cores.
 const IN_FLIGHT: usize = 16;
 
-pub(super) fn write(text: &Text, moved: &Moved<'_>, out: &mut dyn Write) -> Result<WriteReport, WriteError> {
+pub(super) fn write(
+    text: &Text,
+    moved: &Moved<'_>,
+    out: &mut dyn Write,
+) -> Result<WriteReport, WriteError> {
     text.points().check(&moved.points)?;
     // Checked above; in the plane there would be nothing to write.
-    let new = if let Points::Solid(new) = moved.points { new } else { &[] };
+    let new = if let Points::Solid(new) = moved.points {
+        new
+    } else {
+        &[]
+    };
     let plan = normals::plan(text, new, moved.normals);
 
     let mut report = WriteReport::default();
-    let start = text.chunks.first().map_or(text.bytes.len(), |chunk| chunk.range.start);
+    let start = text
+        .chunks
+        .first()
+        .map_or(text.bytes.len(), |chunk| chunk.range.start);
     report.put(&text.bytes[..start], out)?;
     for group in text.chunks.chunks(IN_FLIGHT) {
         let pieces = text::map(group, |chunk| rewritten(text, chunk, new, plan.as_ref()));
@@ -83,7 +94,9 @@ impl Patch<'_> {
         if same(old, new) || !old.is_finite() {
             return false;
         }
-        for (token, (old, new)) in Tokens::of(self.bytes, statement).zip(old.to_array().into_iter().zip(new.to_array())) {
+        for (token, (old, new)) in
+            Tokens::of(self.bytes, statement).zip(old.to_array().into_iter().zip(new.to_array()))
+        {
             if old.to_bits() != new.to_bits() {
                 number::write(new, self.replace(token.start, token.end));
             }
@@ -97,7 +110,9 @@ fn rewritten(text: &Text, chunk: &Chunk, new: &[DVec3], plan: Option<&Plan>) -> 
     let first = chunk.before.vertices as usize;
     let vertices = first..first + chunk.here.vertices as usize;
     let moves = vertices.clone().any(|v| !same(text.positions[v], new[v]));
-    let plan = plan.filter(|plan| chunk.here.normals > 0 || chunk.here.faces > 0 && !plan.redirected.is_empty());
+    let plan = plan.filter(|plan| {
+        chunk.here.normals > 0 || chunk.here.faces > 0 && !plan.redirected.is_empty()
+    });
     if !moves && plan.is_none() {
         return None;
     }
@@ -122,10 +137,19 @@ fn rewritten(text: &Text, chunk: &Chunk, new: &[DVec3], plan: Option<&Plan>) -> 
             }
             (Keyword::Face, Some(plan)) if !plan.redirected.is_empty() => {
                 for token in Tokens::of(&text.bytes, &statement) {
-                    let Some(reference) = Reference::parse(&text.bytes[token.clone()]) else { continue };
-                    let corner = text.vertex(reference, before).zip(text.normal(reference, before));
-                    if let Some(index) = corner.and_then(|(vertex, normal)| plan.redirect(normal, vertex)) {
-                        number::write_whole(index + 1, patch.replace(token.start + reference.normal_at, token.end));
+                    let Some(reference) = Reference::parse(&text.bytes[token.clone()]) else {
+                        continue;
+                    };
+                    let corner = text
+                        .vertex(reference, before)
+                        .zip(text.normal(reference, before));
+                    if let Some(index) =
+                        corner.and_then(|(vertex, normal)| plan.redirect(normal, vertex))
+                    {
+                        number::write_whole(
+                            index + 1,
+                            patch.replace(token.start + reference.normal_at, token.end),
+                        );
                     }
                 }
             }
@@ -134,7 +158,11 @@ fn rewritten(text: &Text, chunk: &Chunk, new: &[DVec3], plan: Option<&Plan>) -> 
         before.count(statement.keyword);
     }
     patch.replace(chunk.range.end, chunk.range.end);
-    Some(Piece { bytes: patch.out, moved_points, changed_normals })
+    Some(Piece {
+        bytes: patch.out,
+        moved_points,
+        changed_normals,
+    })
 }
 
 /// The lines with added normals. They stand at the end of the file, where no relative index counts past them.
