@@ -1,7 +1,8 @@
 //! How long an OBJ file of a million vertices and two million triangles takes through read, move and write, against what
 //! `tobj` alone needs to load it, and how much memory it takes against the file's size.
 //!
-//! `cargo run --release -p anamorph-io --features parallel --example obj_throughput [-- SIDE [normals]]`
+//! `cargo run --release -p anamorph-io --features parallel --example obj_throughput [-- SIDE [transform|recompute]]`: with a word, the
+//! file has a normal for each vertex, which is carried along or computed anew.
 #![allow(clippy::print_stdout)]
 
 use anamorph_core::glam::DVec3;
@@ -63,7 +64,8 @@ fn peak() -> Option<f64> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let side = arguments.next().map_or(Ok(1000), |side| side.parse())?;
-    let normals = arguments.next().as_deref() == Some("normals");
+    let policy = arguments.next();
+    let normals = policy.is_some();
     let path = std::env::temp_dir().join(format!("anamorph-throughput-{}.obj", std::process::id()));
     let target = path.with_extension("out.obj");
     let file = grid(side, normals);
@@ -86,10 +88,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .collect();
         let begin = Instant::now();
         let turn = |_: usize, n: DVec3| DVec3::new(n.x / 1.1, n.y / 0.9, n.z - n.x);
-        let normals = if normals {
-            Normals::Transform(&turn)
-        } else {
-            Normals::Keep
+        let normals = match policy.as_deref() {
+            None => Normals::Keep,
+            Some("recompute") => Normals::Recompute,
+            Some(_) => Normals::Transform(&turn),
         };
         let mut out = std::fs::File::create(&target)?;
         document.write(

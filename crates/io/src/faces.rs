@@ -245,8 +245,8 @@ mod tests {
         // A spiral.
         let arm = |turns: f64, radius: f64| {
             (
-                radius * (turns * 6.283).cos(),
-                radius * (turns * 6.283).sin(),
+                radius * (turns * core::f64::consts::TAU).cos(),
+                radius * (turns * core::f64::consts::TAU).sin(),
             )
         };
         let mut spiral: Vec<_> = (0..60)

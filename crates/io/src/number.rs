@@ -86,10 +86,10 @@ fn digit_at(text: &[u8], at: usize) -> Option<u64> {
 /// Reads all of `text` as a number, or `None` when it is not one. NaN and infinities are numbers here, also in the
 /// spellings of C libraries (`-nan`, `nan(ind)`, `1.#IND`, `-1.#INF`); a number beyond the range of `f64` is infinite.
 pub(crate) fn parse(text: &[u8]) -> Option<f64> {
-    if let Some((value, length)) = quick(text) {
-        if length == text.len() {
-            return Some(value);
-        }
+    if let Some((value, length)) = quick(text)
+        && length == text.len()
+    {
+        return Some(value);
     }
     let text = core::str::from_utf8(text).ok()?;
     text.parse().ok().or_else(|| c_spelling(text))

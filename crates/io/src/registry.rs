@@ -32,18 +32,17 @@ pub fn find(head: &[u8], name: Option<&str>) -> Result<&'static dyn Format, Read
             .as_deref()
             .is_some_and(|e| format.extensions().contains(&e))
     };
-    // max_by_key takes the last of equals, hence the reversal.
-    let best = FORMATS
+    let rated = FORMATS
         .iter()
+        .map(|format| (format.recognises(head), named(*format), *format));
+    // max_by_key takes the last of equals, hence the reversal.
+    let best = rated
         .rev()
-        .max_by_key(|format| (format.recognises(head), named(**format)));
-    if let Some(format) = best {
-        if format.recognises(head) > Recognition::No || named(*format) {
-            return Ok(*format);
-        }
-    }
-    if let Some(format) = FORMATS.iter().find(|format| named(**format)) {
-        return Ok(*format);
+        .max_by_key(|(recognition, named, _)| (*recognition, *named));
+    if let Some((recognition, named, format)) = best
+        && (recognition > Recognition::No || named)
+    {
+        return Ok(format);
     }
     if let Some(error) = crate::text::is_wide(head)
         .then(|| crate::text::encoding_error(head, ""))

@@ -1,4 +1,5 @@
 //! Tables of points, through the public interface.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use anamorph_core::glam::{DVec2, DVec3};
 use anamorph_io::{

@@ -1,4 +1,5 @@
 //! OBJ documents through the public interface: normals, hostile input, large files.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use anamorph_core::glam::DVec3;
 use anamorph_io::{
@@ -361,10 +362,7 @@ fn inspection_names_each_problem_and_its_place() {
         document("v 0 0 0 1 2 3\nv 0 0 0 4 5 6").attribute("green"),
         Some(vec![2.0, 5.0])
     );
-    assert_eq!(
-        document("v 0 0 0 1 2 3\nv 0 0 0").attributes(),
-        [String::new(); 0]
-    );
+    assert!(document("v 0 0 0 1 2 3\nv 0 0 0").attributes().is_empty());
 }
 
 /// Several chunks of full size: a sphere whose positions and triangles tobj reads too.

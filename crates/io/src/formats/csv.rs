@@ -441,7 +441,7 @@ impl Table {
             .filter(named)
             .collect();
         self.rows(|records| {
-            columns.retain(|i| number::parse(&self.bytes[records.content(*i)]).is_some())
+            columns.retain(|i| number::parse(&self.bytes[records.content(*i)]).is_some());
         });
         columns
     }
@@ -450,7 +450,7 @@ impl Table {
     fn column(&self, column: usize) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.points().len());
         self.rows(|records| {
-            values.push(number::parse(&self.bytes[records.content(column)]).unwrap_or(f64::NAN))
+            values.push(number::parse(&self.bytes[records.content(column)]).unwrap_or(f64::NAN));
         });
         values
     }
@@ -502,12 +502,12 @@ impl Document for Table {
         let mut findings = Vec::new();
         let bounds = match &self.positions {
             Positions::Plane(points) => {
-                coincident(points.iter().map(|p| p.to_array()), &mut findings);
-                bounds(points.iter().map(|p| p.to_array()))
+                coincident(points.iter().map(DVec2::to_array), &mut findings);
+                bounds(points.iter().map(DVec2::to_array))
             }
             Positions::Solid(points) => {
-                coincident(points.iter().map(|p| p.to_array()), &mut findings);
-                bounds(points.iter().map(|p| p.to_array()))
+                coincident(points.iter().map(DVec3::to_array), &mut findings);
+                bounds(points.iter().map(DVec3::to_array))
             }
         };
         if let Some(&first) = self.nonfinite.first() {

@@ -245,7 +245,7 @@ impl Format for Obj {
                     match Tokens::of(head, &whole).next() {
                         None => {}
                         Some(token) if OTHERS.contains(&&head[token.clone()]) => {
-                            recognition = Recognition::Possible
+                            recognition = Recognition::Possible;
                         }
                         Some(_) => return recognition,
                     }
@@ -263,10 +263,10 @@ impl Format for Obj {
 
 /// Reads a file in chunks of about `chunk` bytes.
 fn read(bytes: Vec<u8>, options: &ReadOptions, chunk: usize) -> Result<Text, ReadError> {
-    if text::is_wide(&bytes) {
-        if let Some(error) = text::encoding_error(&bytes, "OBJ") {
-            return Err(error);
-        }
+    if text::is_wide(&bytes)
+        && let Some(error) = text::encoding_error(&bytes, "OBJ")
+    {
+        return Err(error);
     }
     let start = if bytes.starts_with(text::BYTE_ORDER_MARK) {
         text::BYTE_ORDER_MARK.len()

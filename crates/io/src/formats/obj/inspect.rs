@@ -23,7 +23,12 @@ pub(super) fn inspect(text: &Text) -> Inspection {
         used[vertex as usize] = true;
     }
     unused(&used, &mut findings);
-    coincident(text.positions.iter().map(|p| p.to_array()), &mut findings);
+    coincident(
+        text.positions
+            .iter()
+            .map(anamorph_core::glam::DVec3::to_array),
+        &mut findings,
+    );
     if let Some(&first) = text.nonfinite.first() {
         let count = text.nonfinite.len() as u64;
         findings.push(Finding {
@@ -55,7 +60,11 @@ pub(super) fn inspect(text: &Text) -> Inspection {
         format: text.format(),
         dimension: 3,
         counts,
-        bounds: bounds(text.positions.iter().map(|p| p.to_array())),
+        bounds: bounds(
+            text.positions
+                .iter()
+                .map(anamorph_core::glam::DVec3::to_array),
+        ),
         attributes,
         problems,
     }

@@ -296,10 +296,7 @@ fn only_the_moved_numbers_change() {
         let out = written(&text, &new, Normals::Keep);
         let (mut before, mut after) = (sample.text.split('\n'), out.split('\n'));
         let mut vertex = 0;
-        loop {
-            let (Some(a), Some(b)) = (before.next(), after.next()) else {
-                break;
-            };
+        while let (Some(a), Some(b)) = (before.next(), after.next()) {
             if a.trim_start().starts_with("v ") || a.trim_start().starts_with("v\t") {
                 let (old, now) = (sample.positions[vertex].to_array(), new[vertex].to_array());
                 vertex += 1;
