@@ -1,0 +1,4 @@
+//! One file per format (and a folder beside it where one file is not enough).
+
+pub(crate) mod csv;
+pub(crate) mod obj;
