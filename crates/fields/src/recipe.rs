@@ -264,9 +264,9 @@ fn boxed<S: Space>() -> FieldEntry<S> {
 struct HalfSpaceParameters {
     /// A point of the plane.
     point: Place,
-    /// The direction in which the field falls.
+    /// Direction of the side on which the field is 1.
     normal: Axis,
-    /// Width over which it falls to 0.
+    /// Width over which it falls to 0 on the other side.
     width: Length,
     /// How it falls off.
     falloff: Option<FalloffName>,

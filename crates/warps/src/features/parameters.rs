@@ -1,0 +1,374 @@
+//! How recipes describe point, frame and vortex features.
+
+use super::frames::FrameWarp;
+use super::points::PointWarp;
+use super::vortex::Vortex;
+use super::{FeatureError, Reach};
+use anamorph_catalog::schemars::JsonSchema;
+use anamorph_catalog::{
+    Angle, Axis, Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse,
+    schemars,
+};
+use anamorph_core::{Linear, Scaling, Space};
+use anamorph_features::{Frame, FramePair, PointPair};
+use anamorph_fields::recipe::FalloffName;
+use anamorph_transforms::Rotational;
+use serde::Deserialize;
+
+/// An error of feature `i` of the list `list`.
+fn located(list: &str, error: &FeatureError) -> ConstructError {
+    let path = match error {
+        FeatureError::NotFinite { feature } => format!("{list}.{feature}"),
+        FeatureError::Radius { feature, .. } => format!("{list}.{feature}.radius"),
+        FeatureError::Flat { feature, .. } => format!("{list}.{feature}"),
+        FeatureError::NoAxis => "axis".to_owned(),
+        FeatureError::Angle => "angle".to_owned(),
+    };
+    ConstructError::new(path, error.to_string())
+}
+
+/// The reach of one feature, from its own parameters or the warp's.
+fn reach<S: Space>(
+    path: &str,
+    own: (Option<Length>, Option<FalloffName>),
+    common: (Option<Length>, Option<FalloffName>),
+    context: &Context<'_, S>,
+) -> Result<Reach, ConstructError> {
+    let radius = match (own.0, common.0) {
+        (Some(length), _) => Some(length.resolve_positive(&format!("{path}.radius"), context)?),
+        (None, Some(length)) => Some(length.resolve_positive("radius", context)?),
+        (None, None) => None,
+    };
+    let falloff = own.1.or(common.1).unwrap_or_default();
+    if radius.is_some() && !falloff.get().compact() {
+        let at = if own.1.is_some() {
+            format!("{path}.falloff")
+        } else {
+            "falloff".to_owned()
+        };
+        let message = format!("`{}` does not end at a radius", falloff.get().name());
+        return Err(
+            ConstructError::new(at, message).with_hint("take one that does, such as \"wires\"")
+        );
+    }
+    Ok(Reach {
+        radius,
+        falloff: falloff.get(),
+    })
+}
+
+/// The target of a feature: a place, or an offset from the source.
+fn target<S: Space>(
+    path: &str,
+    source: S,
+    to: Option<&Place>,
+    by: Option<&Offset>,
+    context: &Context<'_, S>,
+) -> Result<S, ConstructError> {
+    match (to, by) {
+        (Some(to), None) => to.resolve(&format!("{path}.to"), context),
+        (None, Some(by)) => Ok(source + by.resolve(&format!("{path}.by"), context)?),
+        (None, None) => Ok(source),
+        (Some(_), Some(_)) => Err(ConstructError::new(
+            format!("{path}.by"),
+            "both `to` and `by` are given",
+        )
+        .with_hint("write the target as a place with `to`, or as an offset with `by`")),
+    }
+}
+
+/// One source point and where it goes.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct PointParameters {
+    /// The source point.
+    from: Place,
+    /// The target point.
+    to: Option<Place>,
+    /// The offset from source to target, instead of `to`. With neither the point is pinned.
+    by: Option<Offset>,
+    /// How far this point reaches.
+    radius: Option<Length>,
+    /// How its strength falls off within the radius.
+    falloff: Option<FalloffName>,
+}
+
+/// Source points are carried to their targets, and the rest follows.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct PointsParameters {
+    /// The points.
+    #[schemars(length(min = 1))]
+    point: Vec<PointParameters>,
+    /// How far points reach that say nothing themselves; everywhere if left out.
+    radius: Option<Length>,
+    /// Their falloff, "wires" if left out.
+    falloff: Option<FalloffName>,
+}
+
+/// The registry entry of the point warp.
+pub(crate) fn points<S: Space>() -> WarpEntry<S> {
+    fn construct<S: Space>(
+        value: &Value,
+        context: &Context<'_, S>,
+    ) -> Result<Built<S>, ConstructError> {
+        let p: PointsParameters = parse(value)?;
+        let mut pairs = Vec::new();
+        for (i, point) in p.point.iter().enumerate() {
+            let path = format!("point.{i}");
+            let source: S = point.from.resolve(&format!("{path}.from"), context)?;
+            let target = target(&path, source, point.to.as_ref(), point.by.as_ref(), context)?;
+            let reach = reach(
+                &path,
+                (point.radius, point.falloff),
+                (p.radius, p.falloff),
+                context,
+            )?;
+            pairs.push((PointPair { source, target }, reach));
+        }
+        if pairs.is_empty() {
+            return Err(ConstructError::new("point", "there is no point")
+                .with_hint("add a table `[[warp.point]]` with `from` and `to`"));
+        }
+        let warp = PointWarp::construct(pairs).map_err(|error| located("point", &error))?;
+        Ok(Built {
+            marks: warp.marks(),
+            warp: Box::new(warp),
+        })
+    }
+    WarpEntry {
+        kind: "points",
+        system: "B1",
+        summary: "carries source points to their targets; the rest follows",
+        reference: "Milliron, Jensen, Barzel and Finkelstein, A Framework for Geometric Warps and Deformations, ACM TOG \
+                    21(1), 2002, §3.2",
+        example: "radius = \"45%\"\npoint = [{ from = \"50%\", by = [\"30%\", \"20%\"] }]\n",
+        schema: PointsParameters::json_schema,
+        construct: construct::<S>,
+    }
+}
+
+/// One source frame and its target.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct FrameParameters {
+    /// Origin of the source frame.
+    at: Place,
+    /// Basis vectors of the source frame, the coordinate axes if left out.
+    axes: Option<Vec<Vec<f64>>>,
+    /// Origin of the target frame.
+    to: Option<Place>,
+    /// The offset from source to target origin, instead of `to`. With neither the origin stays.
+    by: Option<Offset>,
+    /// Basis vectors of the target frame, instead of `turn` and `scale`.
+    target_axes: Option<Vec<Vec<f64>>>,
+    /// Angle by which the target frame is turned, about `axis` in space.
+    turn: Option<Angle>,
+    /// Axis of the turn, in space.
+    axis: Option<Axis>,
+    /// Factor of the target frame's basis vectors.
+    scale: Option<f64>,
+    /// How far this frame reaches.
+    radius: Option<Length>,
+    /// How its strength falls off within the radius.
+    falloff: Option<FalloffName>,
+}
+
+/// Source frames are carried to their targets, and the rest follows.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct FramesParameters {
+    /// The frames.
+    #[schemars(length(min = 1))]
+    frame: Vec<FrameParameters>,
+    /// How far frames reach that say nothing themselves; everywhere if left out.
+    radius: Option<Length>,
+    /// Their falloff, "wires" if left out.
+    falloff: Option<FalloffName>,
+}
+
+/// A basis from its vectors as rows of a list.
+fn basis<S: Space>(path: &str, rows: &[Vec<f64>]) -> Result<S::Linear, ConstructError> {
+    if rows.len() != S::DIM || rows.iter().any(|row| row.len() != S::DIM) {
+        let message = format!(
+            "a basis of the {} is {} vectors of {} numbers",
+            S::NAME,
+            S::DIM,
+            S::DIM
+        );
+        return Err(ConstructError::new(path, message).with_hint("write one list per vector"));
+    }
+    Ok(S::Linear::from_columns(|i| S::from_fn(|j| rows[i][j])))
+}
+
+/// The linear map of `turn`, `axis` and `scale`.
+pub(crate) fn turn_and_scale<S: Space>(
+    path: &str,
+    turn: Option<Angle>,
+    axis: Option<&Axis>,
+    scale: Option<f64>,
+) -> Result<S::Linear, ConstructError> {
+    let direction = match (axis, turn, S::DIM) {
+        (Some(_), _, 2) => {
+            return Err(ConstructError::new(
+                format!("{path}.axis"),
+                "a turn in the plane has no axis",
+            )
+            .with_hint("remove it"));
+        }
+        (None, Some(_), 3) => {
+            return Err(ConstructError::new(path, "a turn in space needs an `axis`")
+                .with_hint("write, for example, `axis = \"y\"`"));
+        }
+        (Some(axis), _, _) => axis.resolve(&format!("{path}.axis"))?,
+        (None, _, _) => S::ZERO,
+    };
+    let factor = scale.unwrap_or(1.0);
+    if !(factor.is_finite() && factor != 0.0) {
+        return Err(ConstructError::new(
+            format!("{path}.scale"),
+            format!("the factor is {factor}"),
+        )
+        .with_hint("write a finite number that is not 0"));
+    }
+    Ok(S::rotation(direction, turn.map_or(0.0, Angle::radians)) * factor)
+}
+
+/// The registry entry of the frame warp.
+pub(crate) fn frames<S: Rotational>() -> WarpEntry<S> {
+    fn construct<S: Rotational>(
+        value: &Value,
+        context: &Context<'_, S>,
+    ) -> Result<Built<S>, ConstructError> {
+        let p: FramesParameters = parse(value)?;
+        let mut pairs = Vec::new();
+        for (i, frame) in p.frame.iter().enumerate() {
+            let path = format!("frame.{i}");
+            let at: S = frame.at.resolve(&format!("{path}.at"), context)?;
+            let origin = target(&path, at, frame.to.as_ref(), frame.by.as_ref(), context)?;
+            let source_axes = match &frame.axes {
+                Some(rows) => basis::<S>(&format!("{path}.axes"), rows)?,
+                None => S::Linear::IDENTITY,
+            };
+            let target_axes = match &frame.target_axes {
+                Some(rows) => {
+                    if frame.turn.is_some() || frame.scale.is_some() {
+                        let message =
+                            "`target_axes` already says how the frame is turned and scaled";
+                        return Err(ConstructError::new(path, message)
+                            .with_hint("remove `turn` and `scale`"));
+                    }
+                    basis::<S>(&format!("{path}.target_axes"), rows)?
+                }
+                None => turn_and_scale::<S>(&path, frame.turn, frame.axis.as_ref(), frame.scale)?
+                    .after(&source_axes),
+            };
+            let source = Frame::new(at, source_axes)
+                .map_err(|error| ConstructError::new(format!("{path}.axes"), error.to_string()))?;
+            let goal = Frame::new(origin, target_axes).map_err(|error| {
+                ConstructError::new(format!("{path}.target_axes"), error.to_string())
+            })?;
+            let reach = reach(
+                &path,
+                (frame.radius, frame.falloff),
+                (p.radius, p.falloff),
+                context,
+            )?;
+            pairs.push((
+                FramePair {
+                    source,
+                    target: goal,
+                },
+                reach,
+            ));
+        }
+        if pairs.is_empty() {
+            return Err(ConstructError::new("frame", "there is no frame")
+                .with_hint("add a table `[[warp.frame]]` with `at`, `turn` and `axis`"));
+        }
+        let scaling = context.scaling.unwrap_or(Scaling::Composition);
+        let warp =
+            FrameWarp::construct(pairs, scaling).map_err(|error| located("frame", &error))?;
+        let length = context
+            .bounds
+            .map_or(1.0, |bounds| 0.15 * bounds.diagonal());
+        Ok(Built {
+            marks: warp.marks(length),
+            warp: Box::new(warp),
+        })
+    }
+    WarpEntry {
+        kind: "frames",
+        system: "B2",
+        summary: "carries source coordinate frames to their targets; the rest follows",
+        reference: "Milliron, Jensen, Barzel and Finkelstein, A Framework for Geometric Warps and Deformations, ACM TOG \
+                    21(1), 2002, §3.3",
+        example: "radius = \"50%\"\nframe = [{ at = \"50%\", by = \"10%\", scale = 1.4 }]\n",
+        schema: FramesParameters::json_schema,
+        construct: construct::<S>,
+    }
+}
+
+/// A swirl about a centre (2-D) or a line (3-D) that dies out with distance.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct VortexParameters {
+    /// The centre, or a point of the axis.
+    centre: Place,
+    /// Direction of the axis; needed in space, absent in the plane.
+    axis: Option<Axis>,
+    /// Angle at the centre, counter-clockwise, by the right-hand rule about the axis.
+    angle: Angle,
+    /// Distance from the centre or axis at which the swirl has died out.
+    radius: Length,
+    /// How the angle falls off, "wires" if left out.
+    falloff: Option<FalloffName>,
+}
+
+/// The registry entry of the vortex.
+pub(crate) fn vortex<S: Space>() -> WarpEntry<S> {
+    fn construct<S: Space>(
+        value: &Value,
+        context: &Context<'_, S>,
+    ) -> Result<Built<S>, ConstructError> {
+        let p: VortexParameters = parse(value)?;
+        let centre: S = p.centre.resolve("centre", context)?;
+        let axis = match (&p.axis, S::DIM) {
+            (None, 3) => {
+                return Err(ConstructError::new("", "a vortex in space needs an `axis`")
+                    .with_hint("write, for example, `axis = \"y\"`"));
+            }
+            (Some(_), 2) => {
+                return Err(
+                    ConstructError::new("axis", "a vortex in the plane has no axis")
+                        .with_hint("remove it"),
+                );
+            }
+            (Some(axis), _) => axis.resolve("axis")?,
+            (None, _) => S::ZERO,
+        };
+        let radius = p.radius.resolve_positive("radius", context)?;
+        let falloff = p.falloff.unwrap_or_default().get();
+        if !falloff.compact() {
+            let message = format!("`{}` does not end at a radius", falloff.name());
+            return Err(ConstructError::new("falloff", message)
+                .with_hint("take one that does, such as \"wires\""));
+        }
+        let scaling = context.scaling.unwrap_or(Scaling::Composition);
+        let warp = Vortex::construct(centre, axis, p.angle.radians(), radius, falloff, scaling)
+            .map_err(|error| located("", &error))?;
+        Ok(Built {
+            marks: warp.marks(),
+            warp: Box::new(warp),
+        })
+    }
+    WarpEntry {
+        kind: "vortex",
+        system: "B2",
+        summary: "swirls a model about a centre or a line; the turn dies out with distance",
+        reference: "G. Wolberg, Digital Image Warping, IEEE Computer Society Press, 1990",
+        example: "centre = \"50%\"\nangle = \"140deg\"\nradius = \"40%\"\n",
+        schema: VortexParameters::json_schema,
+        construct: construct::<S>,
+    }
+}

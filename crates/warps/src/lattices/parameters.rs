@@ -1,0 +1,545 @@
+//! How recipes describe lattices and edits of their control points.
+
+use super::bernstein::BernsteinLattice;
+use super::bspline::{BsplineLattice, Knots};
+use super::frames::FrameLattice;
+use super::{Grid, LatticeError};
+use crate::features::turn_and_scale;
+use anamorph_catalog::schemars::JsonSchema;
+use anamorph_catalog::{
+    Angle, Axis, Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse,
+    schemars,
+};
+use anamorph_core::{Affine, Bounds, Linear, Scaling, Space, Transformation};
+use anamorph_transforms::{Composed, Rotational};
+use serde::Deserialize;
+
+/// Most control points of one lattice: beyond it a recipe has surely slipped a zero.
+const MOST_CONTROL_POINTS: usize = 4_000_000;
+
+/// The box of a lattice.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "a box is \"fit\", or a table with `min` and `max`, or with `origin` and `edges`"
+)]
+enum BoxParameters {
+    /// The bounds of the model.
+    #[default]
+    #[serde(skip)]
+    Fit,
+    /// `"fit"`, written out.
+    Named(Fit),
+    /// An axis-parallel box.
+    Corners(Corners),
+    /// A skew box.
+    Edges(Edges),
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+enum Fit {
+    /// The bounds of the model.
+    Fit,
+}
+
+/// An axis-parallel box between two corners.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(inline)]
+struct Corners {
+    /// One corner.
+    min: Place,
+    /// The opposite corner.
+    max: Place,
+}
+
+/// A box spanned by edges from a corner.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(inline)]
+struct Edges {
+    /// The corner with index 0, 0, 0.
+    origin: Place,
+    /// One edge per axis.
+    edges: Vec<Offset>,
+}
+
+/// Which control points along one axis.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "an index is a whole number (negative counts from the end), \"*\", or a list of numbers"
+)]
+#[schemars(inline)]
+enum Selector {
+    /// One index from 0; negative counts from the end, −1 is the last.
+    One(i64),
+    /// Several indices.
+    Some(Vec<i64>),
+    /// `"*"`: all.
+    All(Star),
+}
+
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[schemars(inline)]
+enum Star {
+    /// All indices.
+    #[serde(rename = "*")]
+    Star,
+}
+
+/// One edit of control points.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct MoveParameters {
+    /// Index of the control point along each axis: a number from 0 (negative counts from the end), a list, or "*".
+    index: Vec<Selector>,
+    /// Offset by which the points move, after turning and scaling.
+    by: Option<Offset>,
+    /// Place to which a single point moves, instead of `by`.
+    to: Option<Place>,
+    /// Angle by which the points turn, about `axis` in space.
+    turn: Option<Angle>,
+    /// Axis of the turn, in space.
+    axis: Option<Axis>,
+    /// Factor by which the points draw apart (above 1) or together.
+    scale: Option<f64>,
+    /// Fixed point of turn and scale; the middle of the chosen points if left out.
+    about: Option<Place>,
+}
+
+/// Flat indices chosen by selectors.
+fn choose<S: Space>(
+    path: &str,
+    grid: &Grid<S>,
+    index: &[Selector],
+) -> Result<Vec<usize>, ConstructError> {
+    if index.len() != S::DIM {
+        let message = format!(
+            "{} indices where the lattice has {} axes",
+            index.len(),
+            S::DIM
+        );
+        return Err(ConstructError::new(path, message).with_hint("write one index per axis"));
+    }
+    let mut axes: [Vec<usize>; 3] = [vec![0], vec![0], vec![0]];
+    for (axis, selector) in index.iter().enumerate() {
+        let count = grid.shape()[axis];
+        let resolve = |i: i64| {
+            let signed = i64::try_from(count).unwrap_or(i64::MAX);
+            let from_start = if i < 0 { i + signed } else { i };
+            usize::try_from(from_start)
+                .ok()
+                .filter(|&i| i < count)
+                .ok_or_else(|| {
+                    let message =
+                        format!("there is no control point {i} along axis {axis}: it has {count}");
+                    ConstructError::new(format!("{path}.{axis}"), message).with_hint(format!(
+                        "indices run from 0 to {}, or from -1 backwards",
+                        count - 1
+                    ))
+                })
+        };
+        axes[axis] = match selector {
+            Selector::One(i) => vec![resolve(*i)?],
+            Selector::Some(list) => list.iter().map(|&i| resolve(i)).collect::<Result<_, _>>()?,
+            Selector::All(Star::Star) => (0..count).collect(),
+        };
+    }
+    let mut chosen = Vec::new();
+    for &i in &axes[0] {
+        for &j in &axes[1] {
+            chosen.extend(axes[2].iter().map(|&k| grid.flat([i, j, k])));
+        }
+    }
+    chosen.sort_unstable();
+    chosen.dedup();
+    Ok(chosen)
+}
+
+/// Applies the edits in order to the points of a lattice.
+fn edit<S: Space>(
+    grid: &Grid<S>,
+    rest: &[S],
+    moves: &[MoveParameters],
+    context: &Context<'_, S>,
+) -> Result<Vec<S>, ConstructError> {
+    let mut points = rest.to_vec();
+    for (number, edit) in moves.iter().enumerate() {
+        let path = format!("move.{number}");
+        let chosen = choose(&format!("{path}.index"), grid, &edit.index)?;
+        if let Some(to) = &edit.to {
+            if edit.by.is_some() || edit.turn.is_some() || edit.scale.is_some() {
+                return Err(
+                    ConstructError::new(format!("{path}.to"), "`to` stands alone")
+                        .with_hint("remove `by`, `turn` and `scale`, or use them instead"),
+                );
+            }
+            let [one] = chosen.as_slice() else {
+                let message = format!(
+                    "`to` would put {} control points in one place",
+                    chosen.len()
+                );
+                return Err(ConstructError::new(format!("{path}.to"), message)
+                    .with_hint("use `by` for several points"));
+            };
+            points[*one] = to.resolve(&format!("{path}.to"), context)?;
+            continue;
+        }
+        if edit.by.is_none() && edit.turn.is_none() && edit.scale.is_none() {
+            return Err(ConstructError::new(path, "the edit says nothing")
+                .with_hint("give it `by`, `to`, `turn` or `scale`"));
+        }
+        let by = match &edit.by {
+            Some(by) => by.resolve(&format!("{path}.by"), context)?,
+            None => S::ZERO,
+        };
+        let linear = turn_and_scale::<S>(&path, edit.turn, edit.axis.as_ref(), edit.scale)?;
+        let about = match &edit.about {
+            Some(place) => place.resolve(&format!("{path}.about"), context)?,
+            None => {
+                let sum = chosen.iter().fold(S::ZERO, |sum, &i| sum + points[i]);
+                #[allow(clippy::cast_precision_loss)]
+                let count = chosen.len().max(1) as f64;
+                sum / count
+            }
+        };
+        let affine = Affine::about(about, linear, by);
+        for &i in &chosen {
+            // As a displacement, so that points the edit does not move stay exactly.
+            let displacement = affine.displacement(points[i]);
+            points[i] += displacement;
+        }
+    }
+    Ok(points)
+}
+
+/// The grid of a lattice.
+fn grid<S: Space>(
+    shape: &[usize],
+    parameters: Option<&BoxParameters>,
+    margin: Option<Length>,
+    context: &Context<'_, S>,
+) -> Result<Grid<S>, ConstructError> {
+    if shape.len() != S::DIM {
+        let message = format!(
+            "{} counts where the {} has {} axes",
+            shape.len(),
+            S::NAME,
+            S::DIM
+        );
+        return Err(ConstructError::new("shape", message)
+            .with_hint("count the control points along each axis"));
+    }
+    let count = shape
+        .iter()
+        .try_fold(1_usize, |product, &n| product.checked_mul(n));
+    if count.is_none_or(|count| count > MOST_CONTROL_POINTS) {
+        return Err(
+            ConstructError::new("shape", "that many control points are beyond any use")
+                .with_hint(format!("a lattice has at most {MOST_CONTROL_POINTS}")),
+        );
+    }
+    let margin = match margin {
+        Some(length) => {
+            let margin = length.resolve("margin", context)?;
+            if margin < 0.0 || !margin.is_finite() {
+                return Err(
+                    ConstructError::new("margin", format!("the margin is {margin}"))
+                        .with_hint("write a length that is not negative"),
+                );
+            }
+            S::splat(margin)
+        }
+        None => S::ZERO,
+    };
+    let grown = |bounds: Bounds<S>| Bounds {
+        min: bounds.min - margin,
+        max: bounds.max + margin,
+    };
+    let grid = match parameters {
+        None | Some(BoxParameters::Fit | BoxParameters::Named(Fit::Fit)) => {
+            Grid::around(grown(context.bounds("box")?), shape)
+        }
+        Some(BoxParameters::Corners(corners)) => {
+            let min = corners.min.resolve::<S>("box.min", context)?;
+            Grid::around(
+                grown(Bounds::new(min, corners.max.resolve("box.max", context)?)),
+                shape,
+            )
+        }
+        Some(BoxParameters::Edges(edges)) => {
+            if margin != S::ZERO {
+                return Err(
+                    ConstructError::new("margin", "a box given by edges takes no margin")
+                        .with_hint("remove it"),
+                );
+            }
+            if edges.edges.len() != S::DIM {
+                let message = format!(
+                    "{} edges where the {} has {} axes",
+                    edges.edges.len(),
+                    S::NAME,
+                    S::DIM
+                );
+                return Err(
+                    ConstructError::new("box.edges", message).with_hint("write one edge per axis")
+                );
+            }
+            let origin = edges.origin.resolve("box.origin", context)?;
+            let mut columns = Vec::new();
+            for (i, edge) in edges.edges.iter().enumerate() {
+                columns.push(edge.resolve::<S>(&format!("box.edges.{i}"), context)?);
+            }
+            Grid::new(origin, S::Linear::from_columns(|i| columns[i]), shape)
+        }
+    };
+    grid.map_err(|error| ConstructError::new("box", error.to_string()))
+}
+
+fn located(error: &LatticeError) -> ConstructError {
+    let path = match error {
+        LatticeError::Flat => "box",
+        LatticeError::Shape { .. } => "shape",
+        LatticeError::Count { .. } | LatticeError::NotFinite { .. } => "move",
+    };
+    ConstructError::new(path, error.to_string())
+}
+
+/// A box of control points; moving them moves the model inside by Bernstein polynomials.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct LatticeParameters {
+    /// Number of control points along each axis, 2 to 32.
+    shape: Vec<usize>,
+    /// The box: "fit" (the model's bounds, also if left out), `{ min, max }`, or `{ origin, edges }`.
+    #[serde(rename = "box")]
+    bounds: Option<BoxParameters>,
+    /// Length by which an upright box is made larger on all sides.
+    margin: Option<Length>,
+    /// Edits of control points, applied in order.
+    #[serde(default, rename = "move")]
+    moves: Vec<MoveParameters>,
+}
+
+/// The registry entry of the Bernstein lattice.
+pub(crate) fn lattice<S: Space>() -> WarpEntry<S> {
+    fn construct<S: Space>(
+        value: &Value,
+        context: &Context<'_, S>,
+    ) -> Result<Built<S>, ConstructError> {
+        let p: LatticeParameters = parse(value)?;
+        let grid = grid(&p.shape, p.bounds.as_ref(), p.margin, context)?;
+        // A still lattice says where its points are, and whether the shape is allowed.
+        let still = vec![S::ZERO; grid.len()];
+        let still = BernsteinLattice::construct(grid, still).map_err(|error| located(&error))?;
+        let rest: Vec<S> = (0..still.grid().len())
+            .map(|i| still.control_point(i))
+            .collect();
+        let targets = edit(still.grid(), &rest, &p.moves, context)?;
+        let displacements = targets
+            .iter()
+            .zip(&rest)
+            .map(|(&target, &rest)| target - rest)
+            .collect();
+        let warp = BernsteinLattice::construct(still.grid().clone(), displacements)
+            .map_err(|error| located(&error))?;
+        Ok(Built {
+            marks: warp.marks(),
+            warp: Box::new(warp),
+        })
+    }
+    WarpEntry {
+        kind: "lattice",
+        system: "B3",
+        summary: "free-form deformation: a box of control points moves the model inside",
+        reference: "T. W. Sederberg and S. R. Parry, Free-Form Deformation of Solid Geometric Models, SIGGRAPH 1986",
+        example: if S::DIM == 2 {
+            "shape = [4, 4]\nmove = [{ index = [\"*\", -1], by = [\"25%\", 0] }]\n"
+        } else {
+            "shape = [4, 4, 4]\nmove = [{ index = [\"*\", -1, \"*\"], by = [\"25%\", 0, 0] }]\n"
+        },
+        schema: LatticeParameters::json_schema,
+        construct: construct::<S>,
+    }
+}
+
+/// How knots are spread.
+#[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+enum KnotsParameter {
+    /// Equally spaced; the outer control points lie outside the box.
+    #[default]
+    Uniform,
+    /// Repeated at the faces; the outer control points lie on the faces.
+    Clamped,
+}
+
+/// A box of control points with local control: each moves only what is near, by B-splines.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct SplineLatticeParameters {
+    /// Number of control points along each axis, at least `degree` + 1.
+    shape: Vec<usize>,
+    /// Degree of the splines, 1 to 5; 3 if left out.
+    degree: Option<usize>,
+    /// How knots are spread; control points stand at the Greville abscissae.
+    #[serde(default)]
+    knots: KnotsParameter,
+    /// The box: "fit" (the model's bounds, also if left out), `{ min, max }`, or `{ origin, edges }`.
+    #[serde(rename = "box")]
+    bounds: Option<BoxParameters>,
+    /// Length by which an upright box is made larger on all sides.
+    margin: Option<Length>,
+    /// Edits of control points, applied in order.
+    #[serde(default, rename = "move")]
+    moves: Vec<MoveParameters>,
+}
+
+/// The registry entry of the B-spline lattice.
+pub(crate) fn spline_lattice<S: Space>() -> WarpEntry<S> {
+    fn construct<S: Space>(
+        value: &Value,
+        context: &Context<'_, S>,
+    ) -> Result<Built<S>, ConstructError> {
+        let p: SplineLatticeParameters = parse(value)?;
+        let grid = grid(&p.shape, p.bounds.as_ref(), p.margin, context)?;
+        let degree = p.degree.unwrap_or(3);
+        let knots = match p.knots {
+            KnotsParameter::Uniform => Knots::Uniform,
+            KnotsParameter::Clamped => Knots::Clamped,
+        };
+        let still = vec![S::ZERO; grid.len()];
+        let still = BsplineLattice::construct(grid, degree, knots, still)
+            .map_err(|error| located(&error))?;
+        let rest: Vec<S> = (0..still.grid().len())
+            .map(|i| still.control_point(i))
+            .collect();
+        let targets = edit(still.grid(), &rest, &p.moves, context)?;
+        let displacements = targets
+            .iter()
+            .zip(&rest)
+            .map(|(&target, &rest)| target - rest)
+            .collect();
+        let warp = BsplineLattice::construct(still.grid().clone(), degree, knots, displacements)
+            .map_err(|error| located(&error))?;
+        Ok(Built {
+            marks: warp.marks(),
+            warp: Box::new(warp),
+        })
+    }
+    WarpEntry {
+        kind: "spline-lattice",
+        system: "B4",
+        summary: "free-form deformation with local control: each control point moves only what is near",
+        reference: "J. Griessmair and W. Purgathofer, Deformation of Solids with Trivariate B-Splines, Eurographics 1989",
+        example: if S::DIM == 2 {
+            "shape = [6, 6]\nmove = [{ index = [3, 3], by = [\"25%\", \"15%\"] }]\n"
+        } else {
+            "shape = [6, 6, 6]\nmove = [{ index = [[2, 3], -2, [2, 3]], by = [0, \"45%\", 0] }]\n"
+        },
+        schema: SplineLatticeParameters::json_schema,
+        construct: construct::<S>,
+    }
+}
+
+/// What happens to chosen control frames.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct FrameEdit {
+    /// Index of the control frame along each axis: a number from 0 (negative counts from the end), a list, or "*".
+    index: Vec<Selector>,
+    /// Offset of the frame's origin.
+    by: Option<Offset>,
+    /// Angle by which the frame turns about its origin, about `axis` in space.
+    turn: Option<Angle>,
+    /// Axis of the turn, in space.
+    axis: Option<Axis>,
+    /// Factor of the frame's basis vectors.
+    scale: Option<f64>,
+}
+
+/// A box of control frames; turning or scaling one turns or scales the model about it.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct FrameLatticeParameters {
+    /// Number of control frames along each axis, 2 to 32.
+    shape: Vec<usize>,
+    /// The box: "fit" (the model's bounds, also if left out), `{ min, max }`, or `{ origin, edges }`.
+    #[serde(rename = "box")]
+    bounds: Option<BoxParameters>,
+    /// Length by which an upright box is made larger on all sides.
+    margin: Option<Length>,
+    /// Edits of control frames; a later edit of the same frame comes after the earlier ones.
+    #[serde(default)]
+    frame: Vec<FrameEdit>,
+}
+
+/// The registry entry of the lattice of frames.
+pub(crate) fn frame_lattice<S: Rotational>() -> WarpEntry<S> {
+    fn construct<S: Rotational>(
+        value: &Value,
+        context: &Context<'_, S>,
+    ) -> Result<Built<S>, ConstructError> {
+        let p: FrameLatticeParameters = parse(value)?;
+        let grid = grid(&p.shape, p.bounds.as_ref(), p.margin, context)?;
+        let identity = |_| Box::new(Affine::IDENTITY) as Box<dyn Transformation<S>>;
+        let still = FrameLattice::construct(grid.clone(), (0..grid.len()).map(identity).collect())
+            .map_err(|error| located(&error))?;
+        let mut affines = vec![Affine::IDENTITY; grid.len()];
+        for (number, edit) in p.frame.iter().enumerate() {
+            let path = format!("frame.{number}");
+            let chosen = choose(&format!("{path}.index"), &grid, &edit.index)?;
+            if edit.by.is_none() && edit.turn.is_none() && edit.scale.is_none() {
+                return Err(ConstructError::new(path, "the edit says nothing")
+                    .with_hint("give it `by`, `turn` or `scale`"));
+            }
+            let by = match &edit.by {
+                Some(by) => by.resolve(&format!("{path}.by"), context)?,
+                None => S::ZERO,
+            };
+            let linear = turn_and_scale::<S>(&path, edit.turn, edit.axis.as_ref(), edit.scale)?;
+            for flat in chosen {
+                let centre = affines[flat].apply(still.control_point(flat));
+                affines[flat] = Affine::about(centre, linear, by).after(&affines[flat]);
+            }
+        }
+        let scaling = context.scaling.unwrap_or(Scaling::Composition);
+        let mut transformations: Vec<Box<dyn Transformation<S>>> = Vec::new();
+        for (flat, affine) in affines.iter().enumerate() {
+            transformations.push(match scaling {
+                Scaling::Displacement => Box::new(*affine),
+                Scaling::Composition => {
+                    let composed = Composed::new(*affine, still.control_point(flat));
+                    Box::new(
+                        composed
+                            .map_err(|error| ConstructError::new("frame", error.to_string()))?,
+                    )
+                }
+            });
+        }
+        let warp =
+            FrameLattice::construct(grid, transformations).map_err(|error| located(&error))?;
+        Ok(Built {
+            marks: warp.marks(),
+            warp: Box::new(warp),
+        })
+    }
+    WarpEntry {
+        kind: "frame-lattice",
+        system: "B9",
+        summary: "free-form deformation by frames: turning one turns the model about it",
+        reference: "Milliron, Jensen, Barzel and Finkelstein, A Framework for Geometric Warps and Deformations, ACM TOG \
+                    21(1), 2002, §5.1",
+        example: if S::DIM == 2 {
+            "shape = [3, 3]\nframe = [{ index = [1, 1], turn = \"70deg\" }]\n"
+        } else {
+            "shape = [3, 3, 3]\nframe = [{ index = [1, 1, 1], turn = \"70deg\", axis = \"y\" }]\n"
+        },
+        schema: FrameLatticeParameters::json_schema,
+        construct: construct::<S>,
+    }
+}

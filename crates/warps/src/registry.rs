@@ -1,0 +1,42 @@
+//! Every warp that a recipe can name: one line each, in the order of the framework paper.
+//!
+//! The registry feeds the recipe schema, the lists of the command line, the gallery, the benchmarks and the law tests.
+//!
+//! *Source*: Milliron et al. 2002, §3–§6 for the order.
+
+use crate::{barr, features, lattices};
+use anamorph_catalog::WarpEntry;
+use anamorph_core::Solid;
+use anamorph_transforms::Rotational;
+
+/// Warps that work in the plane and in space.
+fn both<S: Rotational>() -> Vec<WarpEntry<S>> {
+    vec![
+        features::parameters::points(),
+        features::parameters::frames(),
+        features::parameters::vortex(),
+        lattices::parameters::lattice(),
+        lattices::parameters::spline_lattice(),
+        lattices::parameters::frame_lattice(),
+        barr::parameters::taper(),
+        barr::parameters::bend(),
+        barr::parameters::axial(),
+    ]
+}
+
+/// Warps of space alone.
+fn solid_only() -> Vec<WarpEntry<Solid>> {
+    vec![barr::parameters::twist()]
+}
+
+/// The warps of the plane.
+pub fn plane() -> Vec<WarpEntry<anamorph_core::Plane>> {
+    both()
+}
+
+/// The warps of space.
+pub fn solid() -> Vec<WarpEntry<Solid>> {
+    let mut all = both();
+    all.extend(solid_only());
+    all
+}
