@@ -1,0 +1,180 @@
+//! What the command line understands.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Warps models by recipes, draws what it did, and reports what it promises.
+#[derive(Debug, Parser)]
+#[command(name = "anamorph", version, propagate_version = true, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Warp models by a recipe
+    Warp(WarpOptions),
+    /// Say what a model file holds, and what is odd about it
+    Inspect(InspectOptions),
+    /// Say what the warps of a recipe promise
+    Check(CheckOptions),
+    /// List what can be named: warps, fields, falloffs, formats
+    List(ListOptions),
+    /// Print the JSON Schema of recipes, for editors
+    Schema,
+    /// Print completions for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page
+    Man,
+}
+
+/// Warp models by a recipe.
+///
+/// Only what moves is rewritten: every other byte of the file stays.
+#[derive(Debug, Args)]
+pub(crate) struct WarpOptions {
+    /// Model files (OBJ, CSV points); `-` is standard input
+    #[arg(required = true, value_name = "MODEL")]
+    pub models: Vec<PathBuf>,
+    /// The recipe, TOML or JSON; `-` is standard input
+    #[arg(short, long, value_name = "FILE")]
+    pub recipe: PathBuf,
+    /// Where the warped model goes: a file, or a folder (ending in `/`) for several models; `-` is standard output
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Change a value of the recipe, such as `warp.0.angle=30deg`
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub set: Vec<String>,
+    /// Write a report as JSON: what moved, what the warps promise
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// Draw the model before and after, with the warp's features (a folder for several models)
+    #[arg(long, value_name = "PNG")]
+    pub preview: Option<PathBuf>,
+    #[command(flatten)]
+    pub view: ViewOptions,
+    /// Threads to use; as many as the machine has if left out
+    #[arg(long, value_name = "N")]
+    pub threads: Option<std::num::NonZeroUsize>,
+    /// Leave the normals stored in the file as they are
+    #[arg(long)]
+    pub keep_normals: bool,
+    /// Pass points that are not finite through untouched, instead of refusing the file
+    #[arg(long)]
+    pub allow_nonfinite: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Replace files that exist
+    #[arg(short, long)]
+    pub force: bool,
+}
+
+/// How a preview is taken.
+#[derive(Debug, Args)]
+pub(crate) struct ViewOptions {
+    /// From where the preview is taken
+    #[arg(long, value_name = "SIDE", default_value = "three-quarter", help_heading = "Preview")]
+    pub view: Side,
+    /// The axis that points up in the preview
+    #[arg(long, value_name = "AXIS", default_value = "y", help_heading = "Preview")]
+    pub up: UpAxis,
+    /// Size of the preview in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", value_parser = parse_size, help_heading = "Preview")]
+    pub size: (u32, u32),
+    /// Colours of the preview
+    #[arg(long, value_name = "THEME", default_value = "light", help_heading = "Preview")]
+    pub theme: ThemeName,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Side {
+    /// From the front right, a little above
+    ThreeQuarter,
+    /// From the back left, a little above
+    BackQuarter,
+    Front,
+    Back,
+    Left,
+    Right,
+    Top,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum UpAxis {
+    X,
+    Y,
+    Z,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ThemeName {
+    Light,
+    Dark,
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let wrong = || "write the size as WIDTHxHEIGHT in pixels, such as 1600x900".to_owned();
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    Ok((width.trim().parse().map_err(|_| wrong())?, height.trim().parse().map_err(|_| wrong())?))
+}
+
+/// Say what a model file holds, and what is odd about it.
+#[derive(Debug, Args)]
+pub(crate) struct InspectOptions {
+    /// Model files; `-` is standard input
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Say what the warps of a recipe promise.
+///
+/// Each promise is proved, refuted (with a place that shows it) or unknown.
+#[derive(Debug, Args)]
+pub(crate) struct CheckOptions {
+    /// Recipes, TOML or JSON
+    #[arg(required = true, value_name = "RECIPE")]
+    pub recipes: Vec<PathBuf>,
+    /// The model the recipe is for; a cube (or square) from -1 to 1 stands in if left out
+    #[arg(long, value_name = "MODEL")]
+    pub model: Option<PathBuf>,
+    /// Without a model: check in the plane instead of in space
+    #[arg(long, conflicts_with = "model")]
+    pub plane: bool,
+    /// Change a value of the recipe, such as `warp.0.angle=30deg`
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub set: Vec<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// List what can be named in recipes and on the command line.
+#[derive(Debug, Args)]
+pub(crate) struct ListOptions {
+    /// What to list
+    #[arg(value_name = "KIND")]
+    pub kind: ListKind,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ListKind {
+    /// Warps that a recipe can name
+    Warps,
+    /// Fields for `strength`, `weight` and `mask`
+    Fields,
+    /// How influence falls off with distance
+    Falloffs,
+    /// File formats
+    Formats,
+}

@@ -1,0 +1,109 @@
+//! `anamorph check`: what the warps of a recipe promise.
+
+use super::promises::{promises, to_json, to_text};
+use crate::arguments::CheckOptions;
+use crate::error::{Failure, output};
+use crate::files;
+use crate::model::{ModelSpace, build, read, read_recipe, size};
+use anamorph_catalog::Context;
+use anamorph_core::{Bounds, Plane, Solid, Stack, map_all};
+use anamorph_io::{Document, Points, ReadOptions};
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::Path;
+
+/// The verdicts on one recipe, as text and as JSON.
+fn check_one<S: ModelSpace>(
+    path: &Path,
+    options: &CheckOptions,
+    document: Option<&dyn Document>,
+) -> Result<(String, Value), Failure> {
+    let recipe = read_recipe(path, &options.set)?;
+    let (built, points, on) = match document {
+        Some(document) => {
+            let points = S::points(document.points()).unwrap_or_default().to_vec();
+            let name = options.model.as_deref().map(files::shown).unwrap_or_default();
+            (build(&recipe, document, &points)?, points, name)
+        }
+        None => {
+            let points = stand_in::<S>();
+            let context = Context::of_bounds(Bounds::new(S::splat(-1.0), S::splat(1.0)));
+            let built = recipe
+                .build(&S::registry(), &context, &mut |parts| {
+                    let mut moved = points.clone();
+                    let parts = parts.iter().map(|part| Box::new(std::sync::Arc::clone(part)) as _).collect();
+                    let _ = map_all(&Stack::new(parts), &mut moved);
+                    Bounds::of(&moved)
+                })
+                .map_err(Failure::new)?;
+            let shape = if S::DIM == 2 { "a square from -1 to 1" } else { "a cube from -1 to 1" };
+            (built, points, shape.to_owned())
+        }
+    };
+    let all = promises(&built, &points, size(&points));
+    let name = files::shown(path);
+    let text = if all.is_empty() || built.parts.is_empty() {
+        format!("{name} on {on}\nno warp: nothing moves\n")
+    } else {
+        format!("{name} on {on}\n{}", to_text(&all))
+    };
+    Ok((text, json!({ "recipe": name, "model": on, "warps": to_json(&all) })))
+}
+
+/// Points that fill the square or cube from −1 to 1 evenly.
+fn stand_in<S: ModelSpace>() -> Vec<S> {
+    const STEPS: usize = 17;
+    let count = STEPS.pow(if S::DIM == 2 { 2 } else { 3 });
+    (0..count)
+        .map(|i| {
+            let mut rest = i;
+            S::from_fn(|_| {
+                let step = rest % STEPS;
+                rest /= STEPS;
+                #[allow(clippy::cast_precision_loss)]
+                {
+                    2.0 * step as f64 / (STEPS - 1) as f64 - 1.0
+                }
+            })
+        })
+        .collect()
+}
+
+pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
+    let document = match &options.model {
+        Some(path) => Some(read(path, &ReadOptions::default())?),
+        None => None,
+    };
+    let document = document.as_deref();
+    let mut out = std::io::stdout().lock();
+    let (mut failed, mut all) = (false, Vec::new());
+    for (number, path) in options.recipes.iter().enumerate() {
+        let plane = match document {
+            Some(document) => matches!(document.points(), Points::Plane(_)),
+            None => options.plane,
+        };
+        let result = if plane {
+            check_one::<Plane>(path, options, document)
+        } else {
+            check_one::<Solid>(path, options, document)
+        };
+        match result {
+            Ok((text, value)) => {
+                all.push(value);
+                if !options.json {
+                    let gap = if number > 0 { "\n" } else { "" };
+                    write!(out, "{gap}{text}").map_err(|error| output(&error))?;
+                }
+            }
+            Err(failure) => {
+                failure.print();
+                failed = true;
+            }
+        }
+    }
+    if options.json {
+        let text = serde_json::to_string_pretty(&all).map_err(Failure::new)?;
+        writeln!(out, "{text}").map_err(|error| output(&error))?;
+    }
+    if failed { Err(Failure::Reported) } else { Ok(()) }
+}

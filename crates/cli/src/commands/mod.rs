@@ -1,0 +1,9 @@
+//! One module a command.
+
+pub(crate) mod check;
+pub(crate) mod inspect;
+pub(crate) mod list;
+pub(crate) mod promises;
+pub(crate) mod schema;
+pub(crate) mod shell;
+pub(crate) mod warp;

@@ -1,0 +1,59 @@
+//! How a command fails.
+
+use std::process::ExitCode;
+
+/// Why a command stopped.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Something went wrong; the text says what, where and how to mend it.
+    Message(String),
+    /// The arguments do not fit together.
+    Usage(String),
+    /// The reasons have been printed already, one a file.
+    Reported,
+    /// Nobody reads the output any more.
+    ClosedPipe,
+}
+
+impl Failure {
+    pub(crate) fn new(message: impl std::fmt::Display) -> Self {
+        Self::Message(message.to_string())
+    }
+
+    pub(crate) fn usage(message: impl std::fmt::Display) -> Self {
+        Self::Usage(message.to_string())
+    }
+
+    /// Says why on standard error.
+    pub(crate) fn print(&self) {
+        match self {
+            Self::Message(text) => {
+                for line in text.lines() {
+                    eprintln!("error: {line}");
+                }
+            }
+            Self::Usage(text) => {
+                eprintln!("error: {text}");
+                eprintln!("see `anamorph --help`");
+            }
+            Self::Reported | Self::ClosedPipe => {}
+        }
+    }
+
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Message(_) | Self::Reported => ExitCode::from(1),
+            Self::Usage(_) => ExitCode::from(2),
+            Self::ClosedPipe => ExitCode::SUCCESS,
+        }
+    }
+}
+
+/// A failure of writing to standard output.
+pub(crate) fn output(error: &std::io::Error) -> Failure {
+    if error.kind() == std::io::ErrorKind::BrokenPipe {
+        Failure::ClosedPipe
+    } else {
+        Failure::new(format!("cannot write to standard output: {error}"))
+    }
+}

@@ -1,0 +1,105 @@
+//! A model file and a recipe brought together in the model's space.
+
+use crate::error::Failure;
+use crate::{files, registries};
+use anamorph_catalog::{Attributes, Context};
+use anamorph_core::{Bounds, Deformation, Plane, Solid, Space, Stack, map_all_parallel};
+use anamorph_io::{Document, Points, ReadOptions};
+use anamorph_recipe::{BuiltRecipe, Recipe, Registry};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A space that models come in.
+pub(crate) trait ModelSpace: anamorph_preview::Drawable {
+    fn registry() -> Registry<Self>;
+    /// The points of a document of this space.
+    fn points<'a>(points: Points<'a>) -> Option<&'a [Self]>;
+    fn wrap(points: &[Self]) -> Points<'_>;
+}
+
+impl ModelSpace for Plane {
+    fn registry() -> Registry<Self> {
+        registries::plane()
+    }
+    fn points<'a>(points: Points<'a>) -> Option<&'a [Self]> {
+        match points {
+            Points::Plane(points) => Some(points),
+            Points::Solid(_) => None,
+        }
+    }
+    fn wrap(points: &[Self]) -> Points<'_> {
+        Points::Plane(points)
+    }
+}
+
+impl ModelSpace for Solid {
+    fn registry() -> Registry<Self> {
+        registries::solid()
+    }
+    fn points<'a>(points: Points<'a>) -> Option<&'a [Self]> {
+        match points {
+            Points::Solid(points) => Some(points),
+            Points::Plane(_) => None,
+        }
+    }
+    fn wrap(points: &[Self]) -> Points<'_> {
+        Points::Solid(points)
+    }
+}
+
+/// Reads a model file.
+pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Box<dyn Document>, Failure> {
+    let bytes = files::read(path)?;
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let name = if files::is_stream(path) { None } else { name };
+    anamorph_io::read(bytes, name.as_deref(), options)
+        .map_err(|error| Failure::new(format!("{}: {error}", files::shown(path))))
+}
+
+/// Reads a recipe and applies `--set` arguments.
+pub(crate) fn read_recipe(path: &Path, set: &[String]) -> Result<Recipe, Failure> {
+    let bytes = files::read(path)?;
+    let mut recipe = Recipe::read(&bytes, &files::shown(path)).map_err(Failure::new)?;
+    for argument in set {
+        recipe.set(argument).map_err(Failure::new)?;
+    }
+    Ok(recipe)
+}
+
+/// A document's attributes as recipes read them.
+struct DocumentAttributes<'a>(&'a dyn Document);
+
+impl Attributes for DocumentAttributes<'_> {
+    fn attribute(&self, name: &str) -> Option<Arc<[f64]>> {
+        self.0.attribute(name).map(Arc::from)
+    }
+    fn names(&self) -> Vec<String> {
+        self.0.attributes()
+    }
+}
+
+/// Builds a recipe for a document's points.
+pub(crate) fn build<S: ModelSpace>(
+    recipe: &Recipe,
+    document: &dyn Document,
+    points: &[S],
+) -> Result<BuiltRecipe<S>, Failure> {
+    let attributes = DocumentAttributes(document);
+    let context = Context { bounds: Bounds::of(points), scaling: None, attributes: Some(&attributes) };
+    // The model as it arrives at a later warp; each call moves it on by the parts that are new.
+    let mut moved: Option<(usize, Vec<S>)> = None;
+    let mut bounds_after = |parts: &[Arc<dyn Deformation<S>>]| {
+        let (done, points) = moved.get_or_insert_with(|| (0, points.to_vec()));
+        let new: Vec<Box<dyn Deformation<S>>> =
+            parts[(*done).min(parts.len())..].iter().map(|part| Box::new(Arc::clone(part)) as _).collect();
+        *done = parts.len();
+        let _ = map_all_parallel(&Stack::new(new), points, &|_| {});
+        Bounds::of(points)
+    };
+    recipe.build(&S::registry(), &context, &mut bounds_after).map_err(Failure::new)
+}
+
+/// The size of a model: the diagonal of its bounds, or 1 if it has none.
+pub(crate) fn size<S: Space>(points: &[S]) -> f64 {
+    Bounds::of(points).map_or(1.0, |bounds| bounds.diagonal()).max(f64::MIN_POSITIVE)
+}
