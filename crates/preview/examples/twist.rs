@@ -2,6 +2,7 @@
 //! [plain] [cloud] [untwisted] [AZIMUTH ELEVATION in degrees]`.
 
 use std::error::Error;
+use std::io::Write;
 use std::time::Instant;
 
 use anamorph_core::glam::DVec3;
@@ -149,10 +150,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     )?;
     let drawn = start.elapsed();
     std::fs::write(out, picture.png()?)?;
-    eprintln!(
+    writeln!(
+        std::io::stderr(),
         "{} triangles, drawn in {drawn:.2?}, encoded in {:.2?}",
         triangles.len(),
         start.elapsed() - drawn
-    );
+    )?;
     Ok(())
 }

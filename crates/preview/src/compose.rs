@@ -138,7 +138,7 @@ impl Studio {
 
     fn paint<S: Drawable>(&self, panel: &Panel<'_, S>) -> Vec<Linear> {
         let mesh = Mesh::new(&panel.model, &self.frame);
-        let radius = self.dot_radius(mesh.dots.len());
+        let radius = self.dot_radius(mesh.dots.len(), if S::FLAT { 0.05 } else { 0.11 });
         let buffer = DepthBuffer::new(&mesh, &self.view, self.samples, radius);
         let mut pixels = if S::FLAT {
             plane::paint(&mesh, &self.view, &self.frame, &self.palette, &buffer)
@@ -159,7 +159,12 @@ impl Studio {
         }
         elements.extend(self.lines(&mesh));
         let style = Style {
-            hidden: self.palette.hidden,
+            // Behind dots there is no behind: a line would only look dashed.
+            hidden: if mesh.dots.is_empty() {
+                self.palette.hidden
+            } else {
+                0.6
+            },
             outline: self.palette.outline,
             unit: self.unit,
             range: self.range,
@@ -173,9 +178,9 @@ impl Studio {
     }
 
     /// Radius in pixels of each of `count` dots: about as much area in all, whatever their number.
-    fn dot_radius(&self, count: usize) -> f64 {
+    fn dot_radius(&self, count: usize, share: f64) -> f64 {
         let [width, height] = self.view.size;
-        let share = 0.11 * (width * height) as f64 / count.max(1) as f64;
+        let share = share * (width * height) as f64 / count.max(1) as f64;
         share.sqrt().clamp(0.8, 6.0 * self.unit)
     }
 

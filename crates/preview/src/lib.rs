@@ -42,6 +42,7 @@ mod picture;
 mod plane;
 mod raster;
 mod shade;
+mod shadow;
 mod view;
 
 pub use compose::{before_after, single};

@@ -10,6 +10,7 @@ use anamorph_core::glam::DVec3;
 
 use crate::mesh::Mesh;
 use crate::parallel;
+use crate::shadow::{Casters, Map, Room, dot};
 use crate::view::View;
 
 /// Side of a depth map of the sky and of the key light. A shadow's finest detail is about the model's size over half of
@@ -17,8 +18,6 @@ use crate::view::View;
 const SIDES: [usize; 2] = [320, 512];
 /// Directions of the sky, and of the key light. Fewer show as bands in soft shadows; more cost time.
 const DIRECTIONS: [usize; 2] = [160, 32];
-/// Triangles above which a third of the directions must do.
-const MANY: usize = 400_000;
 /// Sine of the key light's angular radius: the softness of its shadow.
 const KEY_BREADTH: f64 = 0.13;
 /// Depth maps held at a time.
@@ -60,15 +59,14 @@ struct Light {
 }
 
 impl Lights {
-    /// The lights for a camera, and a number of triangles.
-    pub(crate) fn new(view: &View, triangles: usize) -> Self {
+    /// The lights for a camera.
+    pub(crate) fn new(view: &View) -> Self {
         let up = view.up;
         let side = view.right;
         let front = side.cross(up);
         // From the upper left of the camera, as in most drawings.
         let key = (front * 0.78 - side * 0.60 + up * 1.12).normalize();
-        let fewer = if triangles > MANY { 3 } else { 1 };
-        let [sky_count, key_count] = DIRECTIONS.map(|count| count / fewer);
+        let [sky_count, key_count] = DIRECTIONS;
         let mut lights = Vec::with_capacity(sky_count + key_count);
         let golden = core::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
         for index in 0..sky_count {
@@ -102,11 +100,13 @@ impl Lights {
     /// Adds to every receiver the light that reaches it past the model.
     pub(crate) fn cast(&self, mesh: &Mesh, receivers: &mut [Receiver]) {
         let Some(room) = Room::of(mesh) else { return };
+        let casters = SIDES.map(|side| Casters::new(mesh, &room, side));
         let mut maps: Vec<Map> = (0..BATCH).map(|_| Map::new()).collect();
         for batch in self.lights.chunks(BATCH) {
             parallel::chunks(&mut maps[..batch.len()], 1, |number, maps| {
                 for map in maps {
-                    map.render(mesh, &room, &batch[number]);
+                    let light = &batch[number];
+                    map.render(&casters[usize::from(light.key > 0.0)], light.direction);
                 }
             });
             parallel::chunks(receivers, 1 << 12, |_, chunk| {
@@ -118,7 +118,7 @@ impl Lights {
                         let facing = if receiver.normal == [0.0; 3] {
                             0.5
                         } else {
-                            dot(receiver.normal, map.axes[2])
+                            dot(receiver.normal, map.direction())
                         };
                         if facing > 0.0 {
                             let visible = map.visible(receiver.point, receiver.normal);
@@ -143,202 +143,6 @@ fn sky_colour(height: f64) -> [f64; 3] {
         blend(horizon, zenith, height)
     } else {
         blend(horizon, floor, (-height * 3.0).min(1.0))
-    }
-}
-
-/// The sphere around what casts shadows.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Room {
-    /// Its centre in the frame.
-    pub centre: DVec3,
-    /// Its radius.
-    pub radius: f64,
-}
-
-impl Room {
-    /// The sphere around the drawn points of a mesh; `None` if there are none.
-    pub(crate) fn of(mesh: &Mesh) -> Option<Self> {
-        let mut least = DVec3::INFINITY;
-        let mut most = DVec3::NEG_INFINITY;
-        let each = |visit: &mut dyn FnMut(DVec3)| {
-            for &corner in mesh.triangles.iter().flatten().chain(&mesh.dots) {
-                visit(mesh.points[corner as usize]);
-            }
-        };
-        each(&mut |point| (least, most) = (least.min(point), most.max(point)));
-        if least.x > most.x {
-            return None;
-        }
-        let centre = (least + most) * 0.5;
-        let mut square = 0.0_f64;
-        each(&mut |point| square = square.max(point.distance_squared(centre)));
-        // A single place still casts a shadow of some size.
-        Some(Self {
-            centre,
-            radius: square.sqrt().max(1e-3),
-        })
-    }
-}
-
-/// The least whole number not below a value that is not negative.
-fn above(value: f32) -> usize {
-    let whole = value as usize;
-    if (whole as f32) < value {
-        whole + 1
-    } else {
-        whole
-    }
-}
-
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Depth of the model from one direction.
-struct Map {
-    /// Cells along each side.
-    side: usize,
-    /// Nearness to the light, row by row.
-    depth: Vec<f32>,
-    /// The points of the model in cells.
-    points: Vec<[f32; 3]>,
-    /// Across, along, towards the light.
-    axes: [[f32; 3]; 3],
-    /// Place of the room's centre along the axes.
-    centre: [f32; 3],
-    /// Cells per unit.
-    scale: f32,
-}
-
-impl Map {
-    fn new() -> Self {
-        Self {
-            side: 0,
-            depth: Vec::new(),
-            points: Vec::new(),
-            axes: [[0.0; 3]; 3],
-            centre: [0.0; 3],
-            scale: 1.0,
-        }
-    }
-
-    fn render(&mut self, mesh: &Mesh, room: &Room, light: &Light) {
-        self.side = if light.key > 0.0 { SIDES[1] } else { SIDES[0] };
-        self.scale = ((self.side as f64 * 0.5 - 2.0) / room.radius) as f32;
-        self.depth.clear();
-        self.depth.resize(self.side * self.side, f32::NEG_INFINITY);
-        let direction = light.direction;
-        let (across, along) = direction.any_orthonormal_pair();
-        let axes = [across, along, direction];
-        self.axes = axes.map(|axis| axis.to_array().map(|part| part as f32));
-        self.centre = axes.map(|axis| axis.dot(room.centre) as f32);
-        let mut points = core::mem::take(&mut self.points);
-        points.clear();
-        points.extend(
-            mesh.points
-                .iter()
-                .map(|point| self.cell(point.to_array().map(|part| part as f32))),
-        );
-        for &corners in &mesh.triangles {
-            self.plot(corners.map(|corner| points[corner as usize]));
-        }
-        for &dot in &mesh.dots {
-            self.put(points[dot as usize]);
-        }
-        self.points = points;
-    }
-
-    /// Raises the cell at a point.
-    fn put(&mut self, [x, y, near]: [f32; 3]) {
-        let (column, row) = ((x + 0.5).max(0.0) as usize, (y + 0.5).max(0.0) as usize);
-        if let Some(cell) = self.depth.get_mut(row * self.side + column)
-            && near > *cell
-        {
-            *cell = near;
-        }
-    }
-
-    /// Raises the cells inside a triangle, or the one in its middle if it is smaller than a cell.
-    fn plot(&mut self, [a, b, c]: [[f32; 3]; 3]) {
-        let least = [0, 1].map(|k| a[k].min(b[k]).min(c[k]));
-        let most = [0, 1].map(|k| a[k].max(b[k]).max(c[k]));
-        let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
-        if (most[0] - least[0]).max(most[1] - least[1]) < 1.0 {
-            self.put([0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0));
-            return;
-        }
-        // Cells are inside where all three edges are to one side.
-        let steep = |p: [f32; 3], q: [f32; 3]| [(p[1] - q[1]) / area, (q[0] - p[0]) / area];
-        let edges = [(steep(b, c), b), (steep(c, a), c), (steep(a, b), a)];
-        let slope =
-            [0, 1].map(|k| edges[0].0[k] * a[2] + edges[1].0[k] * b[2] + edges[2].0[k] * c[2]);
-        if !(slope[0].is_finite() && slope[1].is_finite()) {
-            return;
-        }
-        // Where each edge crosses row 0, and how far it moves from row to row.
-        let lines = edges.map(|([across, down], [x, y, _])| {
-            let lean = -down / across;
-            [across, x - lean * y, lean, down, y]
-        });
-        let last = (self.side - 1) as f32;
-        let (top, bottom) = (above(least[1].max(0.0)), most[1].min(last) as usize);
-        for row in top..=bottom {
-            let y = row as f32;
-            let (mut low, mut high) = (least[0].max(0.0), most[0].min(last));
-            for [across, start, lean, down, level] in lines {
-                if across > 0.0 {
-                    low = low.max(start + lean * y);
-                } else if across < 0.0 {
-                    high = high.min(start + lean * y);
-                } else if down * (y - level) < 0.0 {
-                    high = -1.0;
-                }
-            }
-            if high < 0.0 || low > high {
-                continue;
-            }
-            let (first, end) = (above(low), high as usize + 1);
-            let base = a[2] + slope[1] * (y - a[1]) - slope[0] * a[0];
-            if let Some(cells) = self
-                .depth
-                .get_mut(row * self.side + first..row * self.side + end)
-            {
-                for (step, cell) in cells.iter_mut().enumerate() {
-                    let near = base + slope[0] * (first + step) as f32;
-                    if near > *cell {
-                        *cell = near;
-                    }
-                }
-            }
-        }
-    }
-
-    /// A point in units of cells, whole numbers at their middles.
-    fn cell(&self, point: [f32; 3]) -> [f32; 3] {
-        let middle = self.side as f32 * 0.5 - 0.5;
-        let at = |axis: usize| (dot(point, self.axes[axis]) - self.centre[axis]) * self.scale;
-        [at(0) + middle, at(1) + middle, at(2)]
-    }
-
-    /// How much of the light reaches a point, 0 to 1, smoothed over the four nearest cells.
-    ///
-    /// The point is lifted off its surface by cells rather than by a length: the map's own steepness is what must be
-    /// cleared. Less gives dark speckles on lit surfaces, more loosens shadows from what casts them.
-    fn visible(&self, point: [f32; 3], normal: [f32; 3]) -> f32 {
-        let lift = 1.6 / self.scale;
-        let [x, y, near] = self.cell([0, 1, 2].map(|k| point[k] + normal[k] * lift));
-        let near = near + 1.0;
-        let last = (self.side - 1) as f32;
-        if !(x >= 0.0 && y >= 0.0 && x < last && y < last) {
-            return 1.0;
-        }
-        let (column, row) = (x as usize, y as usize);
-        let (right, down) = (x - column as f32, y - row as f32);
-        let base = row * self.side + column;
-        let open = |cell: usize| if self.depth[cell] <= near { 1.0 } else { 0.0 };
-        let upper = open(base) * (1.0 - right) + open(base + 1) * right;
-        let lower = open(base + self.side) * (1.0 - right) + open(base + self.side + 1) * right;
-        upper * (1.0 - down) + lower * down
     }
 }
 
@@ -375,7 +179,7 @@ mod tests {
             [100, 100],
             core::iter::once(DVec3::ZERO),
         );
-        let lights = Lights::new(&view, 0);
+        let lights = Lights::new(&view);
         let roof = roof();
         let mut receivers = [
             open_receiver(DVec3::Y, DVec3::Y),
@@ -400,7 +204,7 @@ mod tests {
             [100, 100],
             core::iter::once(DVec3::ZERO),
         );
-        let lights = Lights::new(&view, 0);
+        let lights = Lights::new(&view);
         let mut receivers: Vec<Receiver> = (-9..=9)
             .map(|step| open_receiver(DVec3::new(f64::from(step) * 0.1, 0.5, 0.03), DVec3::Y))
             .collect();

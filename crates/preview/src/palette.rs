@@ -21,6 +21,8 @@ pub(crate) struct Palette {
     /// Outside and inside of surfaces without colours of their own.
     pub material: Linear,
     pub inside: Linear,
+    /// Points in space without colours of their own.
+    pub dot: Linear,
     /// Points of the plane, lines of the model.
     pub ink: Linear,
     /// Filled triangles of the plane, and those turned over.
@@ -50,15 +52,16 @@ impl Palette {
                 top: hex(0xd6d9de),
                 bottom: hex(0xe6e4e1),
                 pool: hex(0xf3f2f0),
-                material: hex(0xe0d8cd),
+                material: hex(0xdcd2c5),
                 inside: hex(0x8195ac),
+                dot: hex(0x6c7888),
                 ink: hex(0x3c424c),
                 fill: hex(0xddd3c6),
                 turned: hex(0x9fb0c4),
-                grid: hex(0xd4d6da),
+                grid: hex(0xc3c6cc),
                 divider: hex(0xb9bcc2),
-                sky: 0.60,
-                key: 0.70,
+                sky: 0.57,
+                key: 0.67,
                 fill_light: 0.13,
                 rim: 0.16,
                 shadow: 0.85,
@@ -72,6 +75,7 @@ impl Palette {
                 pool: hex(0x353a42),
                 material: hex(0xd8cfc3),
                 inside: hex(0x6d84a0),
+                dot: hex(0xd8cfc3),
                 ink: hex(0xd5d8de),
                 fill: hex(0x8d857a),
                 turned: hex(0x54677f),

@@ -146,6 +146,7 @@ impl DepthBuffer {
             per_pixel,
         };
         let screen = Screen::new(mesh, view, per_pixel);
+        let bands = screen.bands(height);
         parallel::chunks(&mut buffer.samples, width * BAND, |number, band| {
             let first = number * BAND;
             let rows = first..first + band.len() / width;
@@ -158,11 +159,14 @@ impl DepthBuffer {
                     };
                 }
             };
-            for (index, &corners) in mesh.triangles.iter().enumerate() {
-                let corners = corners.map(|corner| screen.at(corner));
-                plot_triangle(corners, width, rows.clone(), |x, y, near| {
-                    write(x, y, near, 1 + index as u32)
-                });
+            let here = number as u16;
+            for (index, &[top, bottom]) in bands.iter().enumerate() {
+                if (top..=bottom).contains(&here) {
+                    let corners = mesh.triangles[index].map(|corner| screen.at(corner));
+                    plot_triangle(corners, width, rows.clone(), |x, y, near| {
+                        write(x, y, near, 1 + index as u32)
+                    });
+                }
             }
             let base = 1 + mesh.triangles.len() as u32;
             for (index, &dot) in mesh.dots.iter().enumerate() {
@@ -211,6 +215,20 @@ impl<'a> Screen<'a> {
             y: pixel.y * self.per_pixel - 0.5,
             near: pixel.near,
         }
+    }
+
+    /// First and last band that each triangle touches.
+    fn bands(&self, height: usize) -> Vec<[u16; 2]> {
+        let mut bands = vec![[0; 2]; self.mesh.triangles.len()];
+        parallel::chunks(&mut bands, 1 << 14, |number, chunk| {
+            for (band, corners) in chunk.iter_mut().zip(&self.mesh.triangles[number << 14..]) {
+                let [a, b, c] = corners.map(|corner| self.points[corner as usize][1]);
+                let place = |y: f32| ((f64::from(y).max(0.0) as usize).min(height) / BAND) as u16;
+                // A row more on either side, for rounding.
+                *band = [place(a.min(b).min(c) - 1.0), place(a.max(b).max(c) + 1.0)];
+            }
+        });
+        bands
     }
 
     fn at(&self, index: u32) -> Pixel {

@@ -2,11 +2,12 @@
 
 use anamorph_core::glam::DVec3;
 
-use crate::light::{Lights, Receiver, Room};
+use crate::light::{Lights, Receiver};
 use crate::mesh::{Mesh, vec3};
 use crate::palette::{Linear, Palette, mix, scale};
 use crate::parallel;
 use crate::raster::{Ball, DepthBuffer, Plot, in_samples};
+use crate::shadow::Room;
 use crate::view::View;
 
 /// What is seen at one sample.
@@ -88,7 +89,7 @@ impl<'a> Scene<'a> {
     /// The panel's pixels in linear light.
     pub(crate) fn paint(&self) -> Vec<Linear> {
         let [width, height] = self.view.size;
-        let lights = Lights::new(self.view, self.mesh.triangles.len());
+        let lights = Lights::new(self.view);
         let [columns, rows] = [width.div_ceil(CELL), height.div_ceil(CELL)];
         let mut receivers = vec![
             Receiver {
@@ -219,7 +220,7 @@ impl<'a> Scene<'a> {
                 point,
                 normal: DVec3::ZERO,
                 eye: self.view.toward_camera(point),
-                colour: self.mesh.colour(dot, self.palette.material),
+                colour: self.mesh.colour(dot, self.palette.dot),
                 near: self.view.project(point).near,
                 height: ball.height(column, line).unwrap_or(0.0) as f32,
             });
@@ -426,7 +427,7 @@ impl DarkFloor {
             scene.palette.sky,
             scene.palette.key * lights.key.dot(scene.view.up) as f32,
         ];
-        let open = lit
+        let open: Vec<f32> = lit
             .iter()
             .map(|receiver| {
                 if receiver.near == f32::NEG_INFINITY {
@@ -440,11 +441,31 @@ impl DarkFloor {
                 part + (1.0 - part) * fade
             })
             .collect();
+        let open = smoothed(&open, self.columns);
         Floor {
             open,
             columns: self.columns,
         }
     }
+}
+
+/// The values of a grid, each blended with its eight neighbours: edges of single shadows disappear.
+fn smoothed(values: &[f32], columns: usize) -> Vec<f32> {
+    let blend = |before: f32, own: f32, after: f32| (before + 2.0 * own + after) * 0.25;
+    let mut across = Vec::with_capacity(values.len());
+    for row in values.chunks(columns.max(1)) {
+        for (index, &own) in row.iter().enumerate() {
+            let before = row[index.saturating_sub(1)];
+            across.push(blend(before, own, row.get(index + 1).copied().unwrap_or(own)));
+        }
+    }
+    let at = |index: Option<usize>| index.and_then(|index| across.get(index)).copied();
+    (0..across.len())
+        .map(|index| {
+            let own = across[index];
+            blend(at(index.checked_sub(columns)).unwrap_or(own), own, at(Some(index + columns)).unwrap_or(own))
+        })
+        .collect()
 }
 
 impl Floor {
