@@ -58,6 +58,8 @@ pub(crate) struct Style {
 
 /// How far a mark may lie behind the surface and still count as on it, in the frame.
 const SURFACE: f64 = 0.006;
+/// Depth in the frame that is needed for the full effect of the air: a shallow scene is not hazy at its back.
+pub(crate) const DEEP: f64 = 0.9;
 /// How much farther a mark must be to be parted by a nearer one, in the frame.
 const PARTED: f64 = 0.03;
 
@@ -310,7 +312,7 @@ impl<'a> Overlay<'a> {
             let cover = (0.5 - away).clamp(0.0, 1.0);
             if cover > 0.0 {
                 let depth = (distance - self.style.range[0])
-                    / (self.style.range[1] - self.style.range[0]).max(1e-9);
+                    / (self.style.range[1] - self.style.range[0]).max(DEEP);
                 let haze = self.style.haze * depth.clamp(0.0, 1.0) as f32;
                 let opacity = cover
                     * element.opacity

@@ -164,7 +164,7 @@ impl DepthBuffer {
                 if (top..=bottom).contains(&here) {
                     let corners = mesh.triangles[index].map(|corner| screen.at(corner));
                     plot_triangle(corners, width, rows.clone(), |x, y, near| {
-                        write(x, y, near, 1 + index as u32)
+                        write(x, y, near, 1 + index as u32);
                     });
                 }
             }
@@ -173,7 +173,7 @@ impl DepthBuffer {
                 let centre = screen.at(dot);
                 let ball = Ball::new(centre, view, radius, per_pixel);
                 ball.plot(view, width, rows.clone(), |x, y, near| {
-                    write(x, y, near, base + index as u32)
+                    write(x, y, near, base + index as u32);
                 });
             }
         });

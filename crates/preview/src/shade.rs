@@ -4,6 +4,7 @@ use anamorph_core::glam::DVec3;
 
 use crate::light::{Lights, Receiver};
 use crate::mesh::{Mesh, vec3};
+use crate::overlay::DEEP;
 use crate::palette::{Linear, Palette, mix, scale};
 use crate::parallel;
 use crate::raster::{Ball, DepthBuffer, Plot, in_samples};
@@ -354,7 +355,7 @@ impl<'a> Scene<'a> {
                     * (sky[k] * palette.sky * 1.15 + key_colour[k] * key * palette.key * 0.62)
             });
             let distance = self.view.distance_of(surface.near);
-            let depth = (distance - self.range[0]) / (self.range[1] - self.range[0]).max(1e-9);
+            let depth = (distance - self.range[0]) / (self.range[1] - self.range[0]).max(DEEP);
             let [width, height] = self.view.size.map(|side| side as f32);
             let air = palette.background(x as f32 / width, y as f32 / height, width / height);
             return mix(soft(lit), air, 0.45 * depth.clamp(0.0, 1.0) as f32);
@@ -456,14 +457,22 @@ fn smoothed(values: &[f32], columns: usize) -> Vec<f32> {
     for row in values.chunks(columns.max(1)) {
         for (index, &own) in row.iter().enumerate() {
             let before = row[index.saturating_sub(1)];
-            across.push(blend(before, own, row.get(index + 1).copied().unwrap_or(own)));
+            across.push(blend(
+                before,
+                own,
+                row.get(index + 1).copied().unwrap_or(own),
+            ));
         }
     }
     let at = |index: Option<usize>| index.and_then(|index| across.get(index)).copied();
     (0..across.len())
         .map(|index| {
             let own = across[index];
-            blend(at(index.checked_sub(columns)).unwrap_or(own), own, at(Some(index + columns)).unwrap_or(own))
+            blend(
+                at(index.checked_sub(columns)).unwrap_or(own),
+                own,
+                at(Some(index + columns)).unwrap_or(own),
+            )
         })
         .collect()
 }
