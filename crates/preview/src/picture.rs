@@ -1,0 +1,118 @@
+//! The finished pixels.
+
+use tiny_skia::{IntSize, Pixmap};
+
+use crate::PreviewError;
+
+/// A finished picture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Picture {
+    pixels: Vec<u8>,
+    width: u32,
+    height: u32,
+}
+
+impl Picture {
+    /// A picture from linear light, row by row from the top; values are clamped to 0 to 1.
+    pub(crate) fn from_linear(linear: &[[f32; 3]], width: u32, height: u32) -> Self {
+        let table = SrgbTable::new();
+        let pixels = linear
+            .iter()
+            .flat_map(|&[r, g, b]| [table.encode(r), table.encode(g), table.encode(b), 255])
+            .collect();
+        Self {
+            pixels,
+            width,
+            height,
+        }
+    }
+
+    /// The pixels, row by row from the top, four bytes each (red, green, blue, opacity; sRGB; opacity is always 255),
+    /// with the width and the height.
+    #[must_use]
+    pub fn rgba(&self) -> (&[u8], u32, u32) {
+        (&self.pixels, self.width, self.height)
+    }
+
+    /// The red, green, blue and opacity of a pixel; `None` outside the picture.
+    #[must_use]
+    pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 4]> {
+        if x >= self.width || y >= self.height {
+            return None;
+        }
+        let start = (y as usize * self.width as usize + x as usize) * 4;
+        self.pixels.get(start..start + 4)?.try_into().ok()
+    }
+
+    /// The picture as a PNG file.
+    ///
+    /// # Errors
+    /// [`PreviewError::Png`] if the encoder fails.
+    pub fn png(&self) -> Result<Vec<u8>, PreviewError> {
+        let failed = |reason: String| PreviewError::Png { reason };
+        let map = IntSize::from_wh(self.width, self.height)
+            .and_then(|size| Pixmap::from_vec(self.pixels.clone(), size))
+            .ok_or_else(|| failed(format!("no pixel map of {} × {}", self.width, self.height)))?;
+        map.encode_png().map_err(|error| failed(error.to_string()))
+    }
+}
+
+/// Rounds linear light to the nearest sRGB byte without a power for each pixel.
+struct SrgbTable {
+    bytes: Vec<u8>,
+}
+
+impl SrgbTable {
+    /// Steps of linear light; the steepest part of the curve has 12.92 · 255 bytes per unit, so that a byte is never
+    /// skipped.
+    const STEPS: usize = 1 << 14;
+
+    fn new() -> Self {
+        let bytes = (0..=Self::STEPS)
+            .map(|step| (encode_srgb(step as f32 / Self::STEPS as f32) * 255.0).round() as u8)
+            .collect();
+        Self { bytes }
+    }
+
+    fn encode(&self, linear: f32) -> u8 {
+        // NaN casts to 0.
+        let step = (linear.clamp(0.0, 1.0) * Self::STEPS as f32).round() as usize;
+        self.bytes.get(step).copied().unwrap_or(255)
+    }
+}
+
+/// From linear light, 0 to 1, to an sRGB-encoded value (IEC 61966-2-1).
+fn encode_srgb(value: f32) -> f32 {
+    if value <= 0.003_130_8 {
+        value * 12.92
+    } else {
+        1.055 * value.powf(1.0 / 2.4) - 0.055
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::decode_srgb;
+
+    #[test]
+    fn every_byte_survives_decoding_and_encoding() {
+        let table = SrgbTable::new();
+        for byte in 0..=255_u8 {
+            assert_eq!(table.encode(decode_srgb(f32::from(byte) / 255.0)), byte);
+        }
+        assert_eq!(table.encode(f32::NAN), 0);
+        assert_eq!(table.encode(7.0), 255);
+    }
+
+    #[test]
+    fn png_holds_the_pixels() {
+        let picture = Picture::from_linear(&[[0.0, 0.5, 1.0], [1.0, 0.2, 0.0]], 2, 1);
+        let png = picture.png().unwrap();
+        let read = Pixmap::decode_png(&png).unwrap();
+        assert_eq!(read.data(), picture.rgba().0);
+        assert_eq!((read.width(), read.height()), (2, 1));
+        assert_eq!(picture.pixel(1, 0).unwrap()[0], 255);
+        assert_eq!(picture.pixel(2, 0), None);
+    }
+}
