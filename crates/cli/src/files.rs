@@ -129,3 +129,18 @@ fn set_usual_permissions(file: &tempfile::NamedTempFile) -> std::io::Result<()> 
 fn set_usual_permissions(_: &tempfile::NamedTempFile) -> std::io::Result<()> {
     Ok(())
 }
+
+/// A number for people: six significant digits, no trailing zeros.
+pub(crate) fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e9).contains(&value.abs()) {
+        return format!("{value:.5e}");
+    }
+    #[allow(clippy::cast_possible_truncation)]
+    let before_point = value.abs().log10().floor() as i32 + 1;
+    let decimals = usize::try_from(6 - before_point).unwrap_or(0);
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
