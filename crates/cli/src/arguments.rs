@@ -5,7 +5,12 @@ use std::path::PathBuf;
 
 /// Warps models by recipes, draws what it did, and reports what it promises.
 #[derive(Debug, Parser)]
-#[command(name = "anamorph", version, propagate_version = true, max_term_width = 100)]
+#[command(
+    name = "anamorph",
+    version,
+    propagate_version = true,
+    max_term_width = 100
+)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub command: Command,
@@ -78,16 +83,31 @@ pub(crate) struct WarpOptions {
 #[derive(Debug, Args)]
 pub(crate) struct ViewOptions {
     /// From where the preview is taken
-    #[arg(long, value_name = "SIDE", default_value = "three-quarter", help_heading = "Preview")]
+    #[arg(
+        long,
+        value_name = "SIDE",
+        default_value = "three-quarter",
+        help_heading = "Preview"
+    )]
     pub view: Side,
     /// The axis that points up in the preview
-    #[arg(long, value_name = "AXIS", default_value = "y", help_heading = "Preview")]
+    #[arg(
+        long,
+        value_name = "AXIS",
+        default_value = "y",
+        help_heading = "Preview"
+    )]
     pub up: UpAxis,
     /// Size of the preview in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", value_parser = parse_size, help_heading = "Preview")]
     pub size: (u32, u32),
     /// Colours of the preview
-    #[arg(long, value_name = "THEME", default_value = "light", help_heading = "Preview")]
+    #[arg(
+        long,
+        value_name = "THEME",
+        default_value = "light",
+        help_heading = "Preview"
+    )]
     pub theme: ThemeName,
 }
 
@@ -120,7 +140,10 @@ pub(crate) enum ThemeName {
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let wrong = || "write the size as WIDTHxHEIGHT in pixels, such as 1600x900".to_owned();
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
-    Ok((width.trim().parse().map_err(|_| wrong())?, height.trim().parse().map_err(|_| wrong())?))
+    Ok((
+        width.trim().parse().map_err(|_| wrong())?,
+        height.trim().parse().map_err(|_| wrong())?,
+    ))
 }
 
 /// Say what a model file holds, and what is odd about it.

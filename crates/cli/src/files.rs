@@ -11,7 +11,11 @@ pub(crate) fn is_stream(path: &Path) -> bool {
 
 /// A path as messages show it.
 pub(crate) fn shown(path: &Path) -> String {
-    if is_stream(path) { "standard input".to_owned() } else { path.display().to_string() }
+    if is_stream(path) {
+        "standard input".to_owned()
+    } else {
+        path.display().to_string()
+    }
 }
 
 /// The whole of a file, or of standard input for `-`.
@@ -26,11 +30,17 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     };
     if is_stream(path) {
         let mut bytes = Vec::new();
-        std::io::stdin().lock().read_to_end(&mut bytes).map_err(fail)?;
+        std::io::stdin()
+            .lock()
+            .read_to_end(&mut bytes)
+            .map_err(fail)?;
         return Ok(bytes);
     }
     if path.is_dir() {
-        return Err(Failure::new(format!("{}: is a folder; name a file in it", shown(path))));
+        return Err(Failure::new(format!(
+            "{}: is a folder; name a file in it",
+            shown(path)
+        )));
     }
     std::fs::read(path).map_err(fail)
 }
@@ -47,7 +57,10 @@ pub(crate) fn refuse_existing(path: &Path, force: bool) -> Result<(), Failure> {
         return Ok(());
     }
     if path.is_dir() {
-        return Err(Failure::new(format!("{}: is a folder; name a file in it", path.display())));
+        return Err(Failure::new(format!(
+            "{}: is a folder; name a file in it",
+            path.display()
+        )));
     }
     if !force && path.exists() {
         return Err(Failure::new(format!(
@@ -82,10 +95,14 @@ impl Pending {
             let mut out = std::io::BufWriter::with_capacity(1 << 20, std::io::stdout().lock());
             fill(&mut out)?;
             out.flush().map_err(|error| output(&error))?;
-            return Ok(Self { destination: destination.to_owned(), file: None });
+            return Ok(Self {
+                destination: destination.to_owned(),
+                file: None,
+            });
         }
-        let fail =
-            |error: std::io::Error| Failure::new(format!("{}: cannot write: {error}", destination.display()));
+        let fail = |error: std::io::Error| {
+            Failure::new(format!("{}: cannot write: {error}", destination.display()))
+        };
         let mut file = tempfile::Builder::new()
             .prefix(".anamorph-")
             .suffix(".part")
@@ -97,7 +114,10 @@ impl Pending {
             out.flush().map_err(fail)?;
         }
         set_usual_permissions(&file).map_err(fail)?;
-        Ok(Self { destination: destination.to_owned(), file: Some(file) })
+        Ok(Self {
+            destination: destination.to_owned(),
+            file: Some(file),
+        })
     }
 
     /// Puts the file in its place.
@@ -105,9 +125,11 @@ impl Pending {
         let Some(file) = self.file else { return Ok(()) };
         match file.persist(&self.destination) {
             Ok(_) => Ok(()),
-            Err(error) => {
-                Err(Failure::new(format!("{}: cannot write: {}", self.destination.display(), error.error)))
-            }
+            Err(error) => Err(Failure::new(format!(
+                "{}: cannot write: {}",
+                self.destination.display(),
+                error.error
+            ))),
         }
     }
 }
@@ -142,5 +164,9 @@ pub(crate) fn short(value: f64) -> String {
     let before_point = value.abs().log10().floor() as i32 + 1;
     let decimals = usize::try_from(6 - before_point).unwrap_or(0);
     let text = format!("{value:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
 }

@@ -17,7 +17,6 @@ mod registries;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
-use error::Failure;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -33,7 +32,11 @@ where
             // Help and version are no errors; clap knows which stream each belongs to.
             let usage = error.use_stderr();
             let _ = error.print();
-            return if usage { ExitCode::from(2) } else { ExitCode::SUCCESS };
+            return if usage {
+                ExitCode::from(2)
+            } else {
+                ExitCode::SUCCESS
+            };
         }
     };
     let result = match arguments.command {

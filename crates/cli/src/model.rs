@@ -50,7 +50,9 @@ impl ModelSpace for Solid {
 /// Reads a model file.
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Box<dyn Document>, Failure> {
     let bytes = files::read(path)?;
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let name = path
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
     let name = if files::is_stream(path) { None } else { name };
     anamorph_io::read(bytes, name.as_deref(), options)
         .map_err(|error| Failure::new(format!("{}: {error}", files::shown(path))))
@@ -85,21 +87,31 @@ pub(crate) fn build<S: ModelSpace>(
     points: &[S],
 ) -> Result<BuiltRecipe<S>, Failure> {
     let attributes = DocumentAttributes(document);
-    let context = Context { bounds: Bounds::of(points), scaling: None, attributes: Some(&attributes) };
+    let context = Context {
+        bounds: Bounds::of(points),
+        scaling: None,
+        attributes: Some(&attributes),
+    };
     // The model as it arrives at a later warp; each call moves it on by the parts that are new.
     let mut moved: Option<(usize, Vec<S>)> = None;
     let mut bounds_after = |parts: &[Arc<dyn Deformation<S>>]| {
         let (done, points) = moved.get_or_insert_with(|| (0, points.to_vec()));
-        let new: Vec<Box<dyn Deformation<S>>> =
-            parts[(*done).min(parts.len())..].iter().map(|part| Box::new(Arc::clone(part)) as _).collect();
+        let new: Vec<Box<dyn Deformation<S>>> = parts[(*done).min(parts.len())..]
+            .iter()
+            .map(|part| Box::new(Arc::clone(part)) as _)
+            .collect();
         *done = parts.len();
         let _ = map_all_parallel(&Stack::new(new), points, &|_| {});
         Bounds::of(points)
     };
-    recipe.build(&S::registry(), &context, &mut bounds_after).map_err(Failure::new)
+    recipe
+        .build(&S::registry(), &context, &mut bounds_after)
+        .map_err(Failure::new)
 }
 
 /// The size of a model: the diagonal of its bounds, or 1 if it has none.
 pub(crate) fn size<S: Space>(points: &[S]) -> f64 {
-    Bounds::of(points).map_or(1.0, |bounds| bounds.diagonal()).max(f64::MIN_POSITIVE)
+    Bounds::of(points)
+        .map_or(1.0, |bounds| bounds.diagonal())
+        .max(f64::MIN_POSITIVE)
 }

@@ -29,7 +29,13 @@ fn options(view: &ViewOptions) -> Options {
         ThemeName::Light => Theme::Light,
         ThemeName::Dark => Theme::Dark,
     };
-    Options { width: view.size.0, height: view.size.1, theme, camera, ..Options::default() }
+    Options {
+        width: view.size.0,
+        height: view.size.1,
+        theme,
+        camera,
+        ..Options::default()
+    }
 }
 
 /// The marks of a recipe: sources as the first warp sees them, targets carried on by the later warps.
@@ -41,7 +47,9 @@ fn marks<S: ModelSpace>(built: &BuiltRecipe<S>) -> (Vec<Mark<S>>, Vec<Mark<S>>) 
             later
                 .iter()
                 .filter(|part| part.deformation.domain() == Domain::Space)
-                .fold(point, |point, part| part.deformation.map(&Site::anywhere(point)))
+                .fold(point, |point, part| {
+                    part.deformation.map(&Site::anywhere(point))
+                })
         };
         for mark in &part.marks {
             match mark.role {
@@ -51,7 +59,9 @@ fn marks<S: ModelSpace>(built: &BuiltRecipe<S>) -> (Vec<Mark<S>>, Vec<Mark<S>>) 
                 Role::Target | Role::TargetGuide => {
                     let shape = match &mark.shape {
                         Shape::Point(point) => Shape::Point(carry(*point)),
-                        Shape::Polyline(line) => Shape::Polyline(line.iter().map(|&p| carry(p)).collect()),
+                        Shape::Polyline(line) => {
+                            Shape::Polyline(line.iter().map(|&p| carry(p)).collect())
+                        }
                         Shape::Arrow(from, to) => Shape::Arrow(carry(*from), carry(*to)),
                     };
                     after.push(Mark::new(mark.role, shape));
@@ -68,7 +78,13 @@ fn colours(document: &dyn Document) -> Option<Vec<[f32; 3]>> {
     let (red, green, blue) = (red?, green?, blue?);
     // The edge of the picture: eight bits follow.
     #[allow(clippy::cast_possible_truncation)]
-    Some(red.iter().zip(&green).zip(&blue).map(|((&r, &g), &b)| [r as f32, g as f32, b as f32]).collect())
+    Some(
+        red.iter()
+            .zip(&green)
+            .zip(&blue)
+            .map(|((&r, &g), &b)| [r as f32, g as f32, b as f32])
+            .collect(),
+    )
 }
 
 /// The preview as the bytes of a PNG file.
@@ -83,7 +99,12 @@ pub(crate) fn preview<S: ModelSpace>(
     let colours = colours(document);
     let (sources, targets) = marks(built);
     let model = |points| {
-        let model = Model { points, triangles: &mesh.triangles, lines: &mesh.lines, colours: None };
+        let model = Model {
+            points,
+            triangles: &mesh.triangles,
+            lines: &mesh.lines,
+            colours: None,
+        };
         match &colours {
             Some(colours) => model.with_colours(colours),
             None => model,
@@ -92,5 +113,8 @@ pub(crate) fn preview<S: ModelSpace>(
     let fail = |error| Failure::new(format!("cannot draw the preview: {error}"));
     let before = Panel::new(model(before)).with_marks(&sources);
     let after = Panel::new(model(after)).with_marks(&targets);
-    before_after(&before, &after, &options(view)).map_err(fail)?.png().map_err(fail)
+    before_after(&before, &after, &options(view))
+        .map_err(fail)?
+        .png()
+        .map_err(fail)
 }

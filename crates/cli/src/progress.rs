@@ -31,13 +31,18 @@ impl Progress {
     }
 
     pub(crate) fn add(&self, count: usize) {
-        let done = self.done.fetch_add(count as u64, std::sync::atomic::Ordering::Relaxed) + count as u64;
+        let done = self
+            .done
+            .fetch_add(count as u64, std::sync::atomic::Ordering::Relaxed)
+            + count as u64;
         if !self.visible || self.start.elapsed() < PATIENCE {
             return;
         }
         let bar = self.bar.get_or_init(|| {
             let bar = ProgressBar::with_draw_target(Some(self.total), ProgressDrawTarget::stderr());
-            if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent}% ({eta} left)") {
+            if let Ok(style) =
+                ProgressStyle::with_template("{msg} {wide_bar} {percent}% ({eta} left)")
+            {
                 bar.set_style(style);
             }
             bar.set_message(self.what);

@@ -22,7 +22,11 @@ fn check_one<S: ModelSpace>(
     let (built, points, on) = match document {
         Some(document) => {
             let points = S::points(document.points()).unwrap_or_default().to_vec();
-            let name = options.model.as_deref().map(files::shown).unwrap_or_default();
+            let name = options
+                .model
+                .as_deref()
+                .map(files::shown)
+                .unwrap_or_default();
             (build(&recipe, document, &points)?, points, name)
         }
         None => {
@@ -31,12 +35,19 @@ fn check_one<S: ModelSpace>(
             let built = recipe
                 .build(&S::registry(), &context, &mut |parts| {
                     let mut moved = points.clone();
-                    let parts = parts.iter().map(|part| Box::new(std::sync::Arc::clone(part)) as _).collect();
+                    let parts = parts
+                        .iter()
+                        .map(|part| Box::new(std::sync::Arc::clone(part)) as _)
+                        .collect();
                     let _ = map_all(&Stack::new(parts), &mut moved);
                     Bounds::of(&moved)
                 })
                 .map_err(Failure::new)?;
-            let shape = if S::DIM == 2 { "a square from -1 to 1" } else { "a cube from -1 to 1" };
+            let shape = if S::DIM == 2 {
+                "a square from -1 to 1"
+            } else {
+                "a cube from -1 to 1"
+            };
             (built, points, shape.to_owned())
         }
     };
@@ -47,7 +58,10 @@ fn check_one<S: ModelSpace>(
     } else {
         format!("{name} on {on}\n{}", to_text(&all))
     };
-    Ok((text, json!({ "recipe": name, "model": on, "warps": to_json(&all) })))
+    Ok((
+        text,
+        json!({ "recipe": name, "model": on, "warps": to_json(&all) }),
+    ))
 }
 
 /// Points that fill the square or cube from −1 to 1 evenly.
@@ -105,5 +119,9 @@ pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(&all).map_err(Failure::new)?;
         writeln!(out, "{text}").map_err(|error| output(&error))?;
     }
-    if failed { Err(Failure::Reported) } else { Ok(()) }
+    if failed {
+        Err(Failure::Reported)
+    } else {
+        Ok(())
+    }
 }

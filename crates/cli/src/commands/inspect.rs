@@ -8,8 +8,11 @@ use serde_json::{Value, json};
 use std::io::Write;
 
 fn to_json(name: &str, inspection: &Inspection) -> Value {
-    let counts: serde_json::Map<String, Value> =
-        inspection.counts.iter().map(|(what, count)| ((*what).to_owned(), json!(count))).collect();
+    let counts: serde_json::Map<String, Value> = inspection
+        .counts
+        .iter()
+        .map(|(what, count)| ((*what).to_owned(), json!(count)))
+        .collect();
     let problems: Vec<Value> = inspection
         .problems
         .iter()
@@ -35,23 +38,39 @@ fn to_json(name: &str, inspection: &Inspection) -> Value {
 }
 
 fn to_text(name: &str, inspection: &Inspection) -> String {
-    let numbers =
-        |list: &[f64]| list.iter().map(|x| files::short(*x)).collect::<Vec<_>>().join(", ");
-    let mut text = format!("{name}\n  format      {}, {}-D\n", inspection.format, inspection.dimension);
+    let numbers = |list: &[f64]| {
+        list.iter()
+            .map(|x| files::short(*x))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let mut text = format!(
+        "{name}\n  format      {}, {}-D\n",
+        inspection.format, inspection.dimension
+    );
     for (what, count) in &inspection.counts {
         text.push_str(&format!("  {what:<11} {count}\n"));
     }
     if let Some((min, max)) = &inspection.bounds {
-        text.push_str(&format!("  bounds      ({}) to ({})\n", numbers(min), numbers(max)));
+        text.push_str(&format!(
+            "  bounds      ({}) to ({})\n",
+            numbers(min),
+            numbers(max)
+        ));
     }
     if !inspection.attributes.is_empty() {
-        text.push_str(&format!("  attributes  {}\n", inspection.attributes.join(", ")));
+        text.push_str(&format!(
+            "  attributes  {}\n",
+            inspection.attributes.join(", ")
+        ));
     }
     if inspection.problems.is_empty() {
         text.push_str("  problems    none\n");
     }
     for problem in &inspection.problems {
-        let line = problem.line.map_or(String::new(), |line| format!(" (line {line})"));
+        let line = problem
+            .line
+            .map_or(String::new(), |line| format!(" (line {line})"));
         text.push_str(&format!(
             "  problem     {}: {}, first {}{line}\n",
             problem.kind.title(),
@@ -73,7 +92,8 @@ pub(crate) fn run(options: &InspectOptions) -> Result<(), Failure> {
                 if options.json {
                     all.push(to_json(&name, &inspection));
                 } else {
-                    write!(out, "{}", to_text(&name, &inspection)).map_err(|error| output(&error))?;
+                    write!(out, "{}", to_text(&name, &inspection))
+                        .map_err(|error| output(&error))?;
                 }
             }
             Err(failure) => {
@@ -86,5 +106,9 @@ pub(crate) fn run(options: &InspectOptions) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(&all).map_err(Failure::new)?;
         writeln!(out, "{text}").map_err(|error| output(&error))?;
     }
-    if failed { Err(Failure::Reported) } else { Ok(()) }
+    if failed {
+        Err(Failure::Reported)
+    } else {
+        Ok(())
+    }
 }

@@ -17,7 +17,11 @@ struct Row {
 }
 
 fn entry<S: Space, T>(entry: &Entry<S, T>, spaces: &[&str]) -> Row {
-    let place = if spaces.len() == 2 { String::new() } else { format!(" ({} only)", spaces.join(", ")) };
+    let place = if spaces.len() == 2 {
+        String::new()
+    } else {
+        format!(" ({} only)", spaces.join(", "))
+    };
     Row {
         name: entry.kind.to_owned(),
         summary: format!("{}{place}", entry.summary),
@@ -39,8 +43,11 @@ fn rows(kind: ListKind) -> Vec<Row> {
             registry::solid()
                 .iter()
                 .map(|e| {
-                    let spaces: &[&str] =
-                        if plane.contains(&e.kind) { &[Plane::NAME, Solid::NAME] } else { &[Solid::NAME] };
+                    let spaces: &[&str] = if plane.contains(&e.kind) {
+                        &[Plane::NAME, Solid::NAME]
+                    } else {
+                        &[Solid::NAME]
+                    };
                     entry(e, spaces)
                 })
                 .collect()
@@ -53,7 +60,11 @@ fn rows(kind: ListKind) -> Vec<Row> {
             .iter()
             .map(|falloff| {
                 let class = falloff.smoothness();
-                let reach = if falloff.compact() { "ends at the radius" } else { "reaches everywhere" };
+                let reach = if falloff.compact() {
+                    "ends at the radius"
+                } else {
+                    "reaches everywhere"
+                };
                 Row {
                     name: falloff.name().to_owned(),
                     summary: format!("{class}, {reach}"),

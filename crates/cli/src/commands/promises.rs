@@ -1,7 +1,9 @@
 //! What the parts of a built recipe and the whole of it promise, for `check` and for reports.
 
 use crate::model::ModelSpace;
-use anamorph_core::guarantees::{Guarantee, Property, Verdict, continuity, interpolation, no_fold, undecided};
+use anamorph_core::guarantees::{
+    Guarantee, Property, Verdict, continuity, interpolation, no_fold, undecided,
+};
 use anamorph_core::{Deformation, Domain};
 use anamorph_recipe::BuiltRecipe;
 use serde_json::{Value, json};
@@ -23,9 +25,18 @@ pub(crate) struct Promises<S> {
 }
 
 /// The promises of every part (on the model as it arrives there) and, when there are several, of the whole.
-pub(crate) fn promises<S: ModelSpace>(built: &BuiltRecipe<S>, points: &[S], size: f64) -> Vec<Promises<S>> {
+pub(crate) fn promises<S: ModelSpace>(
+    built: &BuiltRecipe<S>,
+    points: &[S],
+    size: f64,
+) -> Vec<Promises<S>> {
     let step = points.len().div_ceil(EXAMINED).max(1);
-    let mut here: Vec<S> = points.iter().copied().filter(|p| p.is_finite()).step_by(step).collect();
+    let mut here: Vec<S> = points
+        .iter()
+        .copied()
+        .filter(|p| p.is_finite())
+        .step_by(step)
+        .collect();
     let original = here.clone();
     let mut all = Vec::new();
     for part in &built.parts {
@@ -108,9 +119,16 @@ pub(crate) fn to_text<S: ModelSpace>(promises: &[Promises<S>]) -> String {
         };
         text.push_str(&format!("{name}\n"));
         for g in &p.guarantees {
-            text.push_str(&format!("  {:<14} {:<8} {}", g.property.name(), g.verdict.name(), g.statement));
+            text.push_str(&format!(
+                "  {:<14} {:<8} {}",
+                g.property.name(),
+                g.verdict.name(),
+                g.statement
+            ));
             if let (Some(w), Verdict::Refuted) = (g.witness, g.verdict) {
-                let place: Vec<String> = (0..S::DIM).map(|axis| format!("{:.6}", w.place.component(axis))).collect();
+                let place: Vec<String> = (0..S::DIM)
+                    .map(|axis| format!("{:.6}", w.place.component(axis)))
+                    .collect();
                 text.push_str(&format!(", at ({})", place.join(", ")));
             }
             text.push('\n');

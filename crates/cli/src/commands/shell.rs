@@ -8,18 +8,25 @@ use std::io::Write;
 pub(crate) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
     let mut text = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), "anamorph", &mut text);
-    std::io::stdout().lock().write_all(&text).map_err(|error| output(&error))
+    std::io::stdout()
+        .lock()
+        .write_all(&text)
+        .map_err(|error| output(&error))
 }
 
 /// One page for the command and one section a subcommand, in one document.
 pub(crate) fn man() -> Result<(), Failure> {
     let mut text = Vec::new();
     let command = Arguments::command();
-    clap_mangen::Man::new(command.clone()).render(&mut text).map_err(Failure::new)?;
+    clap_mangen::Man::new(command.clone())
+        .render(&mut text)
+        .map_err(Failure::new)?;
     for sub in command.get_subcommands() {
-        let name = format!("anamorph-{}", sub.get_name());
-        let page = clap_mangen::Man::new(sub.clone().name(name));
+        let page = clap_mangen::Man::new(sub.clone()).title(format!("anamorph-{}", sub.get_name()));
         page.render(&mut text).map_err(Failure::new)?;
     }
-    std::io::stdout().lock().write_all(&text).map_err(|error| output(&error))
+    std::io::stdout()
+        .lock()
+        .write_all(&text)
+        .map_err(|error| output(&error))
 }

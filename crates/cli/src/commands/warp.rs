@@ -7,7 +7,9 @@ use crate::files::{self, Pending};
 use crate::model::{self, ModelSpace};
 use crate::picture;
 use crate::progress::Progress;
-use anamorph_core::{Bounds, Deformation, Domain, Linear, Plane, Solid, Space, carry_normal, map_all_parallel};
+use anamorph_core::{
+    Bounds, Deformation, Domain, Linear, Plane, Solid, Space, carry_normal, map_all_parallel,
+};
 use anamorph_io::{Document, Moved, Normals, Points, ReadOptions, WriteReport};
 use anamorph_recipe::{BuiltRecipe, Recipe};
 use serde_json::{Value, json};
@@ -23,17 +25,30 @@ struct Job {
 
 /// Whether a destination means a folder: it ends in a separator, or is one.
 fn is_folder(path: &Path) -> bool {
-    path.as_os_str().to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR]) || path.is_dir()
+    path.as_os_str()
+        .to_string_lossy()
+        .ends_with(['/', std::path::MAIN_SEPARATOR])
+        || path.is_dir()
 }
 
 /// One job a model; refuses arguments that do not fit together before anything is read.
 fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
     let several = options.models.len() > 1;
-    let streams = options.models.iter().chain([&options.recipe]).filter(|path| files::is_stream(path)).count();
+    let streams = options
+        .models
+        .iter()
+        .chain([&options.recipe])
+        .filter(|path| files::is_stream(path))
+        .count();
     if streams > 1 {
-        return Err(Failure::usage("standard input can be read only once; name files for the others"));
+        return Err(Failure::usage(
+            "standard input can be read only once; name files for the others",
+        ));
     }
-    for (what, path) in [("--output", Some(&options.output)), ("--preview", options.preview.as_ref())] {
+    for (what, path) in [
+        ("--output", Some(&options.output)),
+        ("--preview", options.preview.as_ref()),
+    ] {
         if let Some(path) = path.filter(|path| several && !is_folder(path)) {
             return Err(Failure::usage(format!(
                 "several models need a folder for {what}: write `{}/`",
@@ -41,12 +56,21 @@ fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
             )));
         }
     }
-    if several && options.report.as_deref().is_some_and(|path| !is_folder(path)) {
-        return Err(Failure::usage("several models need a folder for --report: write it with a `/` at its end"));
+    if several
+        && options
+            .report
+            .as_deref()
+            .is_some_and(|path| !is_folder(path))
+    {
+        return Err(Failure::usage(
+            "several models need a folder for --report: write it with a `/` at its end",
+        ));
     }
     let outputs = [options.report.as_deref(), options.preview.as_deref()];
     if outputs.iter().flatten().any(|path| files::is_stream(path)) {
-        return Err(Failure::usage("only the model can go to standard output; name files for the others"));
+        return Err(Failure::usage(
+            "only the model can go to standard output; name files for the others",
+        ));
     }
     let jobs: Vec<Job> = options
         .models
@@ -57,7 +81,9 @@ fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
                     return Ok(path.to_owned());
                 }
                 let Some(name) = model.file_name().filter(|_| !files::is_stream(model)) else {
-                    return Err(Failure::usage("a model from standard input has no name; name the output file"));
+                    return Err(Failure::usage(
+                        "a model from standard input has no name; name the output file",
+                    ));
                 };
                 let mut name = PathBuf::from(name);
                 if let Some(extension) = extension {
@@ -68,16 +94,30 @@ fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
             Ok(Job {
                 model: model.clone(),
                 output: inside(&options.output, None)?,
-                report: options.report.as_deref().map(|path| inside(path, Some("json"))).transpose()?,
-                preview: options.preview.as_deref().map(|path| inside(path, Some("png"))).transpose()?,
+                report: options
+                    .report
+                    .as_deref()
+                    .map(|path| inside(path, Some("json")))
+                    .transpose()?,
+                preview: options
+                    .preview
+                    .as_deref()
+                    .map(|path| inside(path, Some("png")))
+                    .transpose()?,
             })
         })
         .collect::<Result<_, Failure>>()?;
     let mut seen = std::collections::HashSet::new();
     for job in &jobs {
-        for path in [Some(&job.output), job.report.as_ref(), job.preview.as_ref()].into_iter().flatten() {
+        for path in [Some(&job.output), job.report.as_ref(), job.preview.as_ref()]
+            .into_iter()
+            .flatten()
+        {
             if !files::is_stream(path) && !seen.insert(path.clone()) {
-                return Err(Failure::usage(format!("two results would be written to {}", path.display())));
+                return Err(Failure::usage(format!(
+                    "two results would be written to {}",
+                    path.display()
+                )));
             }
         }
     }
@@ -87,17 +127,30 @@ fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
 pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     let jobs = jobs(options)?;
     let recipe = model::read_recipe(&options.recipe, &options.set)?;
-    for path in [Some(&options.output), options.report.as_ref(), options.preview.as_ref()].into_iter().flatten() {
+    for path in [
+        Some(&options.output),
+        options.report.as_ref(),
+        options.preview.as_ref(),
+    ]
+    .into_iter()
+    .flatten()
+    {
         if is_folder(path) && !path.is_dir() {
-            std::fs::create_dir_all(path)
-                .map_err(|error| Failure::new(format!("{}: cannot make the folder: {error}", path.display())))?;
+            std::fs::create_dir_all(path).map_err(|error| {
+                Failure::new(format!(
+                    "{}: cannot make the folder: {error}",
+                    path.display()
+                ))
+            })?;
         }
     }
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = options.threads {
         pool = pool.num_threads(threads.get());
     }
-    let pool = pool.build().map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
+    let pool = pool
+        .build()
+        .map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
     let single = jobs.len() == 1;
     let mut failed = false;
     for job in &jobs {
@@ -110,11 +163,18 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
             }
         }
     }
-    if failed { Err(Failure::Reported) } else { Ok(()) }
+    if failed {
+        Err(Failure::Reported)
+    } else {
+        Ok(())
+    }
 }
 
 fn warp_one(job: &Job, recipe: &Recipe, options: &WarpOptions) -> Result<(), Failure> {
-    for path in [Some(&job.output), job.report.as_ref(), job.preview.as_ref()].into_iter().flatten() {
+    for path in [Some(&job.output), job.report.as_ref(), job.preview.as_ref()]
+        .into_iter()
+        .flatten()
+    {
         files::refuse_existing(path, options.force)?;
     }
     let read_options = ReadOptions::default().allow_nonfinite(options.allow_nonfinite);
@@ -143,7 +203,11 @@ fn warp_document<S: ModelSpace>(
         map_all_parallel(&stack, &mut moved, &|count| progress.add(count))
     };
     let expected = document.nonfinite();
-    if let Some(&index) = unmapped.indices().iter().find(|index| expected.binary_search(index).is_err()) {
+    if let Some(&index) = unmapped
+        .indices()
+        .iter()
+        .find(|index| expected.binary_search(index).is_err())
+    {
         return Err(Failure::new(format!(
             "{name}: point {} moves to a place that is not finite (it, or a warp, is too large for the number range); \
              scale the model down, or mask the warp there",
@@ -161,9 +225,14 @@ fn warp_document<S: ModelSpace>(
             NormalsPolicy::Recomputed => Normals::Recompute,
             _ => Normals::Keep,
         };
-        let wrapped = Moved { points: S::wrap(&moved), normals };
+        let wrapped = Moved {
+            points: S::wrap(&moved),
+            normals,
+        };
         report = document.write(&wrapped, out).map_err(|error| match error {
-            anamorph_io::WriteError::Output(error) if files::is_stream(&job.output) => crate::error::output(&error),
+            anamorph_io::WriteError::Output(error) if files::is_stream(&job.output) => {
+                crate::error::output(&error)
+            }
             error => Failure::new(format!("{}: {error}", job.output.display())),
         })?;
         Ok(())
@@ -172,14 +241,18 @@ fn warp_document<S: ModelSpace>(
     if let Some(path) = &job.preview {
         let png = picture::preview(document, rest, &moved, &built, &options.view)?;
         pending.push(Pending::write(path, |out| {
-            out.write_all(&png).map_err(|error| Failure::new(format!("{}: {error}", path.display())))
+            out.write_all(&png)
+                .map_err(|error| Failure::new(format!("{}: {error}", path.display())))
         })?);
     }
     if let Some(path) = &job.report {
-        let value = report_json(job, options, document, &built, rest, &moved, &report, policy, size);
+        let value = report_json(
+            job, options, document, &built, rest, &moved, &report, policy, size,
+        );
         let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
         pending.push(Pending::write(path, |out| {
-            writeln!(out, "{text}").map_err(|error| Failure::new(format!("{}: {error}", path.display())))
+            writeln!(out, "{text}")
+                .map_err(|error| Failure::new(format!("{}: {error}", path.display())))
         })?);
     }
     for file in pending {
@@ -235,8 +308,12 @@ fn carried<S: ModelSpace>(
     vertex: usize,
     normal: Solid,
 ) -> Solid {
-    let Some(&point) = S::points(document.points()).and_then(|points| points.get(vertex)) else { return normal };
-    let Some(jacobian) = stack.jacobian(&anamorph_core::Site::new(vertex, point), size) else { return normal };
+    let Some(&point) = S::points(document.points()).and_then(|points| points.get(vertex)) else {
+        return normal;
+    };
+    let Some(jacobian) = stack.jacobian(&anamorph_core::Site::new(vertex, point), size) else {
+        return normal;
+    };
     if jacobian == S::Linear::IDENTITY {
         return normal;
     }
@@ -262,8 +339,14 @@ fn report_json<S: ModelSpace>(
             json!({ "min": list(b.min), "max": list(b.max) })
         })
     };
-    let farthest = rest.iter().zip(moved).map(|(&a, &b)| a.distance(b)).enumerate();
-    let farthest = farthest.filter(|(_, d)| d.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
+    let farthest = rest
+        .iter()
+        .zip(moved)
+        .map(|(&a, &b)| a.distance(b))
+        .enumerate();
+    let farthest = farthest
+        .filter(|(_, d)| d.is_finite())
+        .max_by(|a, b| a.1.total_cmp(&b.1));
     json!({
         "anamorph": env!("CARGO_PKG_VERSION"),
         "model": files::shown(&job.model),
@@ -297,15 +380,26 @@ fn summary<S: ModelSpace>(
     report: &WriteReport,
     policy: NormalsPolicy,
 ) {
-    let titles: Vec<&str> = built.parts.iter().map(anamorph_recipe::BuiltPart::title).collect();
-    let by = if titles.is_empty() { "no warp".to_owned() } else { titles.join(", ") };
+    let titles: Vec<&str> = built
+        .parts
+        .iter()
+        .map(anamorph_recipe::BuiltPart::title)
+        .collect();
+    let by = if titles.is_empty() {
+        "no warp".to_owned()
+    } else {
+        titles.join(", ")
+    };
     let output = if files::is_stream(&job.output) {
         "standard output".to_owned()
     } else {
         job.output.display().to_string()
     };
     let model = files::shown(&job.model);
-    eprintln!("{model} -> {output}: {by}; {} of {count} points moved", report.moved_points);
+    eprintln!(
+        "{model} -> {output}: {by}; {} of {count} points moved",
+        report.moved_points
+    );
     if policy != NormalsPolicy::None {
         eprintln!("  normals {}", policy.words());
     }
