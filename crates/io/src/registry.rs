@@ -124,9 +124,6 @@ mod tests {
             find(b"\xFF\xFEv\0 \0", None).err().unwrap().kind,
             ReadErrorKind::Encoding
         );
-        assert_eq!(
-            find(b"", None).err().unwrap().kind,
-            ReadErrorKind::NoPoints
-        );
+        assert_eq!(find(b"", None).err().unwrap().kind, ReadErrorKind::NoPoints);
     }
 }

@@ -52,7 +52,10 @@ fn to_text(name: &str, inspection: &Inspection) -> String {
         rows.push((what, count.to_string()));
     }
     if let Some((min, max)) = &inspection.bounds {
-        rows.push(("bounds", format!("({}) to ({})", numbers(min), numbers(max))));
+        rows.push((
+            "bounds",
+            format!("({}) to ({})", numbers(min), numbers(max)),
+        ));
     }
     if !inspection.attributes.is_empty() {
         rows.push(("attributes", listed(&inspection.attributes)));
@@ -83,11 +86,7 @@ const MOST_NAMES: usize = 20;
 fn listed(names: &[String]) -> String {
     match names.get(MOST_NAMES..) {
         None | Some([]) => names.join(", "),
-        Some(more) => format!(
-            "{} and {} more",
-            names[..MOST_NAMES].join(", "),
-            more.len()
-        ),
+        Some(more) => format!("{} and {} more", names[..MOST_NAMES].join(", "), more.len()),
     }
 }
 

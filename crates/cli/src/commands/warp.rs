@@ -148,7 +148,8 @@ impl Job {
 pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     let jobs = jobs(options)?;
     if options.preview.is_some() {
-        picture::check(&options.view).map_err(|error| Failure::usage(format!("--size: {error}")))?;
+        picture::check(&options.view)
+            .map_err(|error| Failure::usage(format!("--size: {error}")))?;
     }
     let recipe = model::read_recipe(&options.recipe, &options.set)?;
     let mut pool = rayon::ThreadPoolBuilder::new();

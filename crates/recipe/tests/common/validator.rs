@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
 /// Validates and returns the keys of `value` that were evaluated; `None` if it is not valid.
-pub fn validate(value: &Value, schema: &Value, root: &Value) -> Option<BTreeSet<String>> {
+pub(crate) fn validate(value: &Value, schema: &Value, root: &Value) -> Option<BTreeSet<String>> {
     let object = match schema {
         Value::Bool(valid) => return valid.then(BTreeSet::new),
         other => other
