@@ -1,4 +1,7 @@
 //! What Barr's deformations share: a local frame about an axis and a transformation per axis coordinate.
+//!
+//! *Source*: A. H. Barr, *Global and Local Deformations of Solid Primitives*, SIGGRAPH 1984; Milliron et al. 2002, §4.3. The
+//! Jacobian is `T(z)` with `T′(z)⟨p⟩` added to its last column.
 
 use crate::lattices::one;
 use anamorph_core::simd::{self, Level, Simd, dispatch};

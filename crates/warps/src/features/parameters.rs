@@ -1,4 +1,6 @@
 //! How recipes describe point, frame and vortex features.
+//!
+//! *Source*: Milliron et al. 2002, §3.2–3.3; the notation is a decision.
 
 use super::frames::FrameWarp;
 use super::points::PointWarp;

@@ -1,4 +1,7 @@
 //! The box of a lattice and its local coordinates, shared by all lattice warps.
+//!
+//! *Source*: T. W. Sederberg and S. R. Parry, *Free-Form Deformation of Solid Geometric Models*, SIGGRAPH 1986 (local
+//! coordinates of a parallelepiped); errata F3 (the closed box and its faces).
 
 use anamorph_core::simd::{self, Simd, f64x8, mask64x8, prelude::*};
 use anamorph_core::{Bounds, Linear, Mark, Role, Shape, Site, Smoothness, Space};

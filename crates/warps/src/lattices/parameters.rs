@@ -1,4 +1,6 @@
 //! How recipes describe lattices and edits of their control points.
+//!
+//! *Source*: Milliron et al. 2002, §4.1 and §5.1; the notation is a decision.
 
 use super::bernstein::BernsteinLattice;
 use super::bspline::{BsplineLattice, Knots};
