@@ -291,13 +291,20 @@ impl<S: Space> Masked<S> {
 /// `p + m (moved − p)`, exact at 0 and 1.
 #[inline(always)]
 pub(crate) fn blend<S: Space>(p: S, moved: S, m: f64) -> S {
-    if m == 1.0 {
-        moved
-    } else if m == 0.0 {
-        p
-    } else {
-        p + (moved - p) * m
-    }
+    // Computed first and chosen afterwards: choices without branches, which random masks would mispredict.
+    let between = p + (moved - p) * m;
+    S::from_fn(|axis| {
+        let inside = if m == 0.0 {
+            p.component(axis)
+        } else {
+            between.component(axis)
+        };
+        if m == 1.0 {
+            moved.component(axis)
+        } else {
+            inside
+        }
+    })
 }
 
 /// The facts of `facts` blended by `mask`.

@@ -332,36 +332,44 @@ impl<S: Space, L: Law> Warp<S> for AxialWarp<S, L> {
 /// keeps its bits.
 #[inline(always)]
 fn kernel<V: Simd, S: Space, L: Law>(v: V, frame: &AxisFrame<S>, law: &L, points: &mut [S]) {
-    let e = frame
-        .basis
-        .map(|e| [e.component(0), e.component(1), e.component(2)]);
-    let origin = [
-        frame.origin.component(0),
-        frame.origin.component(1),
-        frame.origin.component(2),
-    ];
-    let s = |value: f64| simd::splat(v, value);
-    simd::for_each_block(points, |points| {
-        let p = simd::read_block(v, points);
-        let d: simd::Block<V> = core::array::from_fn(|c| p[c] - s(origin[c]));
-        let q: simd::Block<V> = core::array::from_fn(|i| {
-            let sum = s(e[i][0]) * d[0] + s(e[i][1]) * d[1];
-            if S::DIM == 3 {
-                sum + s(e[i][2]) * d[2]
-            } else {
-                sum
-            }
-        });
-        let moved = law.map_block(v, q);
-        let by: simd::Block<V> = core::array::from_fn(|i| moved[i] - q[i]);
-        let out = core::array::from_fn(|c| {
-            if c >= S::DIM {
-                return p[c];
-            }
-            p[c] + (s(e[0][c]) * by[0] + s(e[1][c]) * by[1] + s(e[2][c]) * by[2])
-        });
-        simd::write_block(out, points);
-    });
+    let mut blocks = simd::Blocks::new(points);
+    while let Some(block) = blocks.next() {
+        eight(v, frame, law, block);
+    }
+    blocks.finish();
+}
+
+/// One block of the kernel. Loops and no closures: what is not inlined loses the vector instructions.
+#[inline(always)]
+fn eight<V: Simd, S: Space, L: Law>(
+    v: V,
+    frame: &AxisFrame<S>,
+    law: &L,
+    points: &mut [S; simd::LANES],
+) {
+    let p = simd::read_block(v, points);
+    let zero = simd::splat(v, 0.0);
+    let mut d = [zero; 3];
+    for c in 0..S::DIM {
+        d[c] = p[c] - simd::splat(v, frame.origin.component(c));
+    }
+    let mut q = [zero; 3];
+    for (q, e) in q.iter_mut().zip(&frame.basis) {
+        *q = simd::splat(v, e.component(0)) * d[0];
+        for (c, d) in d.iter().enumerate().take(S::DIM).skip(1) {
+            *q += simd::splat(v, e.component(c)) * *d;
+        }
+    }
+    let moved = law.map_block(v, q);
+    let mut out = p;
+    for c in 0..S::DIM {
+        let mut by = simd::splat(v, frame.basis[0].component(c)) * (moved[0] - q[0]);
+        for i in 1..3 {
+            by += simd::splat(v, frame.basis[i].component(c)) * (moved[i] - q[i]);
+        }
+        out[c] = p[c] + by;
+    }
+    simd::write_block(out, points);
 }
 
 /// A scalar that varies along the axis: an angle, a factor, a shift.
