@@ -50,6 +50,20 @@ pub fn write_block<V: Simd, S: Space>(block: Block<V>, points: &mut [S; LANES]) 
     }
 }
 
+/// Eight points moved by vectors; equal to [`Space::moved_by`] bit for bit. Axes the space lacks stay.
+#[inline(always)]
+pub fn moved_by<V: Simd, S: Space>(simd: V, points: &Block<V>, by: &Block<V>) -> Block<V> {
+    let zero = f64x8::splat(simd, 0.0);
+    core::array::from_fn(|axis| {
+        let (p, d) = (points[axis], by[axis]);
+        if axis < S::DIM {
+            d.simd_eq(zero).select(p, p + d)
+        } else {
+            p
+        }
+    })
+}
+
 /// Calls `kernel` for every block of eight points in place; the last, shorter run is padded with its own last point.
 #[inline(always)]
 pub fn for_each_block<S: Space>(points: &mut [S], mut kernel: impl FnMut(&mut [S; LANES])) {

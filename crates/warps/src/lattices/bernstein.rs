@@ -12,7 +12,7 @@ use super::{Grid, LatticeError};
 use anamorph_core::simd::{self, Level, Simd, dispatch, f64x8, prelude::*};
 use anamorph_core::{
     Address, Affine, Condition, Deformation, Facts, Influences, Linear, Mark, Site, Smoothness,
-    Space, Support, Unmapped, Warp,
+    Space, Unmapped, Warp,
 };
 use anamorph_fields::basis;
 
@@ -132,7 +132,7 @@ impl<S: Space> BernsteinLattice<S> {
             "the outer k + 1 planes of control points must stay for C^k",
         );
         Facts {
-            support: Support::Box(self.grid.bounds()),
+            support: self.grid.support(),
             edge,
             ..Facts::identity()
         }
@@ -350,13 +350,13 @@ fn kernel<V: Simd, S: Space, const N: usize>(
                 sum[c] += plane[c] * b0[i];
             }
         }
-        let moved = core::array::from_fn(|c| {
+        let by = core::array::from_fn(|c| {
             if c < S::DIM {
-                inside.select(block[c] + sum[c], block[c])
+                inside.select(sum[c], zero)
             } else {
                 zero
             }
         });
-        simd::write_block(moved, points);
+        simd::write_block(simd::moved_by::<V, S>(v, &block, &by), points);
     });
 }
