@@ -94,7 +94,10 @@ fn at_time<S: Rotational>(case: &Case) -> usize {
 
 fn grid<S: Space>(params: &Value) -> Grid<S> {
     let axes = rows(&params["axes"]);
-    let shape: Vec<usize> = numbers(&params["shape"]).iter().map(|&n| n as usize).collect();
+    let shape: Vec<usize> = numbers(&params["shape"])
+        .iter()
+        .map(|&n| n as usize)
+        .collect();
     let edges = anamorph_core::Linear::from_columns(|i: usize| point::<S>(&axes[i]));
     Grid::new(point(&numbers(&params["origin"])), edges, &shape).unwrap()
 }

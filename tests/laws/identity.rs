@@ -22,7 +22,13 @@ laws!(
 fn points_with_zeros<S: Registered>(subject: &Subject<S>, count: usize) -> Vec<S> {
     let mut points = subject.points(count, 21);
     for (i, p) in points.iter_mut().enumerate().filter(|(i, _)| i % 7 == 3) {
-        *p = S::from_fn(|axis| if axis == i % S::DIM { -0.0 } else { p.component(axis) });
+        *p = S::from_fn(|axis| {
+            if axis == i % S::DIM {
+                -0.0
+            } else {
+                p.component(axis)
+            }
+        });
     }
     points
 }
@@ -78,7 +84,11 @@ fn mask_zero_moves_nothing<S: Registered>() {
         let points = points_with_zeros(&subject, 600);
         let what = subject.to_string();
         assert_still(&what, &Masked::new(subject.warp(), Box::new(0.0)), &points);
-        assert_still(&what, &Masked::new(subject.warp(), Box::new(SilentZero)), &points);
+        assert_still(
+            &what,
+            &Masked::new(subject.warp(), Box::new(SilentZero)),
+            &points,
+        );
         let weight = Modulated::new(subject.warp()).with_weight(Box::new(SilentZero));
         assert_still(&what, &weight, &points);
     }
@@ -123,33 +133,69 @@ fn identity_targets_move_nothing<S: Registered>() {
     let all = |a: &str| format!("[{}]", vec![a; S::DIM].join(","));
     let star = all("\"*\"");
     let mut still = vec![
-        ("points", "point = [{ from = \"50%\" }, { from = \"20%\", to = \"20%\" }]".to_owned()),
-        ("points", "radius = \"40%\"\npoint = [{ from = \"50%\" }]".to_owned()),
-        ("frames", "frame = [{ at = \"50%\" }, { at = \"20%\", scale = 1 }]".to_owned()),
+        (
+            "points",
+            "point = [{ from = \"50%\" }, { from = \"20%\", to = \"20%\" }]".to_owned(),
+        ),
+        (
+            "points",
+            "radius = \"40%\"\npoint = [{ from = \"50%\" }]".to_owned(),
+        ),
+        (
+            "frames",
+            "frame = [{ at = \"50%\" }, { at = \"20%\", scale = 1 }]".to_owned(),
+        ),
         ("lattice", format!("shape = {}", all("4"))),
-        ("lattice", format!("shape = {}\nmove = [{{ index = {star}, by = \"0%\" }}]", all("3"))),
+        (
+            "lattice",
+            format!(
+                "shape = {}\nmove = [{{ index = {star}, by = \"0%\" }}]",
+                all("3")
+            ),
+        ),
         ("spline-lattice", format!("shape = {}", all("5"))),
         ("frame-lattice", format!("shape = {}", all("3"))),
         (
             "frame-lattice",
-            format!("shape = {}\nframe = [{{ index = {star}, scale = 1 }}]", all("2")),
+            format!(
+                "shape = {}\nframe = [{{ index = {star}, scale = 1 }}]",
+                all("2")
+            ),
         ),
         ("taper", "axis = \"x\"\nfactor = 1".to_owned()),
-        ("taper", "axis = \"x\"\nprofile = [[0, 1], [1, 1]]".to_owned()),
+        (
+            "taper",
+            "axis = \"x\"\nprofile = [[0, 1], [1, 1]]".to_owned(),
+        ),
         ("taper", "axis = \"y\"\npolynomial = [1]".to_owned()),
-        ("bend", "axis = \"y\"\ntoward = \"x\"\nangle = \"0deg\"".to_owned()),
-        ("bend", "axis = \"y\"\ntoward = \"x\"\nangle = \"0deg\"\nlimits = \"smooth\"".to_owned()),
-        ("axial", "axis = \"x\"\nscale = [[0, 1, 1]]\nshift = [[0, 0, 0, 0], [1, 0, 0, 0]]".to_owned()),
+        (
+            "bend",
+            "axis = \"y\"\ntoward = \"x\"\nangle = \"0deg\"".to_owned(),
+        ),
+        (
+            "bend",
+            "axis = \"y\"\ntoward = \"x\"\nangle = \"0deg\"\nlimits = \"smooth\"".to_owned(),
+        ),
+        (
+            "axial",
+            "axis = \"x\"\nscale = [[0, 1, 1]]\nshift = [[0, 0, 0, 0], [1, 0, 0, 0]]".to_owned(),
+        ),
     ];
     if S::DIM == 3 {
         still.push(("twist", "axis = \"x\"\nangle = \"0deg\"".to_owned()));
-        still.push(("twist", "axis = [1, 2, 3]\npolynomial = [0]\nrange = [0, 1]".to_owned()));
+        still.push((
+            "twist",
+            "axis = [1, 2, 3]\npolynomial = [0]\nrange = [0, 1]".to_owned(),
+        ));
         still.push((
             "vortex",
             "centre = \"50%\"\nangle = \"0deg\"\nradius = \"50%\"\naxis = \"z\"".to_owned(),
         ));
     } else {
-        still.push(("vortex", "centre = \"50%\"\nangle = \"0deg\"\nradius = \"50%\"".to_owned()));
+        still.push((
+            "vortex",
+            "centre = \"50%\"\nangle = \"0deg\"\nradius = \"50%\"".to_owned(),
+        ));
     }
     for bounds in boxes::<S>() {
         for (kind, toml) in &still {
@@ -182,7 +228,9 @@ fn nothing_moves_outside_the_support<S: Registered>() {
                 let axis = random.below(S::DIM);
                 let (low, high) = (bounds.min.component(axis), bounds.max.component(axis));
                 let out = [low.next_down(), high.next_up(), low, high][random.below(4)];
-                points.push(S::from_fn(|i| if i == axis { out } else { at.component(i) }));
+                points.push(S::from_fn(
+                    |i| if i == axis { out } else { at.component(i) },
+                ));
             }
         }
         points.retain(|&p| !support.contains(p));

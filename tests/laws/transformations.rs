@@ -1,7 +1,7 @@
 //! Scaling of transformations: `0·T = I`, `1·T = T`, rotations stay rotations.
 
 use crate::laws;
-use anamorph_core::{Affine, Linear, Space, Transformation};
+use anamorph_core::{Affine, Linear, Transformation};
 use anamorph_tests::measure::linear_distance;
 use anamorph_tests::random::Random;
 use anamorph_tests::subjects::Registered;

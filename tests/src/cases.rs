@@ -114,7 +114,11 @@ pub fn matrix<S: Space>(value: &Value) -> S::Linear {
 /// The affine map `{L, t, c}` and its centre.
 pub fn affine<S: Space>(value: &Value) -> (Affine<S>, S) {
     let centre = point(&numbers(&value["c"]));
-    let map = Affine::about(centre, matrix::<S>(&value["L"]), point(&numbers(&value["t"])));
+    let map = Affine::about(
+        centre,
+        matrix::<S>(&value["L"]),
+        point(&numbers(&value["t"])),
+    );
     (map, centre)
 }
 

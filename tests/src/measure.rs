@@ -26,11 +26,11 @@ pub fn linear_size<S: Space>(a: &S::Linear) -> f64 {
 /// Samples on a line for [`breaks`]: one more than a power of two.
 pub const SAMPLES: usize = 4097;
 /// The coarse step of [`breaks`], in samples.
-const COARSE: usize = 64;
+const COARSE: usize = 8;
 
-/// Differences of order `order + 1` of a curve given by [`SAMPLES`] samples, at the fine step and at a 64 times coarser
-/// one, each over step^order. A jump in the derivative of that order leaves the first as large as the second; where the
-/// next derivative is bounded the first is a 64th of the second.
+/// Differences of order `order + 1` of a curve given by [`SAMPLES`] samples, at the fine step and at an eight times
+/// coarser one, each over step^order. A jump in the derivative of that order leaves the first as large as the second; where the
+/// next derivative is bounded the first is an eighth of the second.
 fn ends<S: Space>(samples: &[S], order: usize) -> (f64, f64) {
     let largest = |stride: usize| {
         let mut row: Vec<S> = samples.iter().copied().step_by(stride).collect();
@@ -49,7 +49,7 @@ fn ends<S: Space>(samples: &[S], order: usize) -> (f64, f64) {
 pub struct Break {
     /// Which derivative.
     pub order: usize,
-    /// Size of the differences at the fine step relative to that at the coarse one: 1 at a jump, a 64th if smooth.
+    /// Size of the differences at the fine step relative to that at the coarse one: 1 at a jump, an eighth if smooth.
     pub ratio: f64,
 }
 
@@ -64,7 +64,11 @@ pub fn breaks<S: Space>(samples: &[S], class: Smoothness, noise: f64) -> Option<
     (0..=most).find_map(|order| {
         let (fine, coarse) = ends(samples, order);
         let rounding = noise * f64::from(1 << (order + 3));
-        (fine > 0.3 * coarse + rounding).then_some(Break {
+        // Jumps too small to matter, in derivatives by the share of the line: what is born near a sample's end looks like
+        // one to differences of any step.
+        let (step, length) = (1.0 / 4096.0, samples[0].distance(samples[SAMPLES - 1]));
+        let small = [1e-5, 1e-3 * step, 1e-1 * step * step][order] * length;
+        (fine > 0.5 * coarse + rounding + small).then_some(Break {
             order,
             ratio: fine / coarse,
         })

@@ -42,9 +42,8 @@ pub fn patch(centre: Solid, normal: Solid, radius: f64) -> (Vec<Solid>, Vec<[u32
     let along = normal.cross(across);
     let mut points = vec![centre];
     for i in 0..SIDES {
-        let (s, c) = anamorph_core::math::sin_cos(
-            core::f64::consts::TAU * f64::from(i) / f64::from(SIDES),
-        );
+        let (s, c) =
+            anamorph_core::math::sin_cos(core::f64::consts::TAU * f64::from(i) / f64::from(SIDES));
         points.push(centre + (across * c + along * s) * radius);
     }
     let triangles = (0..SIDES)

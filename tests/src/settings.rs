@@ -22,8 +22,8 @@ const BOTH: [Option<Scaling>; 2] = [Some(Scaling::Displacement), Some(Scaling::C
 
 /// Names of the falloffs that end.
 fn compact() -> Vec<&'static str> {
-    let all = FALLOFFS.iter().filter(|f| f.compact());
-    all.map(|f| f.name()).collect()
+    let all = FALLOFFS.iter().copied().filter(Falloff::compact);
+    all.map(Falloff::name).collect()
 }
 
 /// Collects settings; text may use `«a;b;c»` for a list with one entry per axis of the space, and `~…~` around what
@@ -269,7 +269,11 @@ fn axes<S: Registered>(list: &mut List<S>) {
             &[None],
             &format!("{axis}profile = [[0, 1], [0.5, 0.6], [0.8, 1.4], [1, 1]]"),
         );
-        list.add("bend", &BOTH, &format!("{axis}toward = «1;0;0»\nangle = \"140deg\""));
+        list.add(
+            "bend",
+            &BOTH,
+            &format!("{axis}toward = «1;0;0»\nangle = \"140deg\""),
+        );
         list.add(
             "bend",
             &[None],
@@ -290,7 +294,11 @@ fn axes<S: Registered>(list: &mut List<S>) {
             ),
         );
         if S::DIM == 3 {
-            list.add("twist", &BOTH, &format!("{axis}angle = \"500deg\"\nstart = \"-30deg\""));
+            list.add(
+                "twist",
+                &BOTH,
+                &format!("{axis}angle = \"500deg\"\nstart = \"-30deg\""),
+            );
             list.add(
                 "twist",
                 &[None],

@@ -76,9 +76,7 @@ impl<S: Registered> Subject<S> {
     pub fn examples() -> Vec<Self> {
         let bounds = boxes()[1];
         let examples = settings::<S>().into_iter().filter(|s| s.example);
-        examples
-            .map(|setting| Self::new(setting, bounds))
-            .collect()
+        examples.map(|setting| Self::new(setting, bounds)).collect()
     }
 
     /// What construction gives.
@@ -147,9 +145,7 @@ impl<S: Registered> Subject<S> {
                     feature(&mut random) + random.direction::<S>() * offset
                 }
                 7 => match support {
-                    Support::Ball { centre, radius } => {
-                        centre + random.direction::<S>() * radius
-                    }
+                    Support::Ball { centre, radius } => centre + random.direction::<S>() * radius,
                     Support::Box(b) => {
                         let mut at = S::from_fn(|_| random.between(0.0, 1.0));
                         let axis = random.below(S::DIM);
