@@ -50,6 +50,18 @@ pub fn write_block<V: Simd, S: Space>(block: Block<V>, points: &mut [S; LANES]) 
     }
 }
 
+/// Eight points moved by vectors; equal to [`Space::moved_by`] bit for bit. Axes the space lacks stay.
+#[inline(always)]
+pub fn moved_by<V: Simd, S: Space>(simd: V, points: &Block<V>, by: &Block<V>) -> Block<V> {
+    let zero = f64x8::splat(simd, 0.0);
+    let mut moved = *points;
+    for axis in 0..S::DIM {
+        let (p, d) = (points[axis], by[axis]);
+        moved[axis] = d.simd_eq(zero).select(p, p + d);
+    }
+    moved
+}
+
 /// The points of a run in blocks of eight, one after the other; the last, shorter one is padded with its own last point.
 ///
 /// A lending iterator rather than a function that takes a closure: a closure that the compiler does not inline loses the

@@ -361,15 +361,14 @@ fn eight<V: Simd, S: Space, L: Law>(
         }
     }
     let moved = law.map_block(v, q);
-    let mut out = p;
-    for c in 0..S::DIM {
-        let mut by = simd::splat(v, frame.basis[0].component(c)) * (moved[0] - q[0]);
+    let mut by = [zero; 3];
+    for (c, by) in by.iter_mut().enumerate().take(S::DIM) {
+        *by = simd::splat(v, frame.basis[0].component(c)) * (moved[0] - q[0]);
         for i in 1..3 {
-            by += simd::splat(v, frame.basis[i].component(c)) * (moved[i] - q[i]);
+            *by += simd::splat(v, frame.basis[i].component(c)) * (moved[i] - q[i]);
         }
-        out[c] = p[c] + by;
     }
-    simd::write_block(out, points);
+    simd::write_block(simd::moved_by::<V, S>(v, &p, &by), points);
 }
 
 /// A scalar that varies along the axis: an angle, a factor, a shift.
@@ -377,6 +376,16 @@ fn eight<V: Simd, S: Space, L: Law>(
 pub enum Course {
     /// `c₀ + c₁ ẑ + c₂ ẑ² + …` in the (limited) axis coordinate.
     Polynomial(Vec<f64>),
+    /// `start + slope (ẑ − from)`: exactly `start` at `from`, so that a range that begins with no change changes no bit
+    /// before it.
+    Linear {
+        /// Where the value is `start`.
+        from: f64,
+        /// The value there.
+        start: f64,
+        /// Change per scene unit.
+        slope: f64,
+    },
     /// A curve drawn by points over the share of the range, 0 at its start and 1 at its end, multiplied by `scale`.
     Drawn {
         /// The curve.
@@ -394,7 +403,7 @@ impl Course {
     /// The value `start` at `from` and `end` at `to`, linear in between and beyond.
     pub fn linear(from: f64, start: f64, to: f64, end: f64) -> Self {
         let slope = (end - start) / (to - from);
-        Self::Polynomial(vec![start - slope * from, slope])
+        Self::Linear { from, start, slope }
     }
 
     /// Value and derivative at a coordinate.
@@ -409,6 +418,7 @@ impl Course {
                 }
                 (value, slope)
             }
+            Self::Linear { from, start, slope } => (start + slope * (z - from), *slope),
             Self::Drawn {
                 profile,
                 from,
@@ -431,6 +441,9 @@ impl Course {
                 .fold(simd::splat(v, 0.0), |value, &c| {
                     value * z + simd::splat(v, c)
                 }),
+            Self::Linear { from, start, slope } => {
+                simd::splat(v, *start) + simd::splat(v, *slope) * (z - simd::splat(v, *from))
+            }
             Self::Drawn { .. } => {
                 let z: [f64; simd::LANES] = z.into();
                 simd::lanes(v, |lane| self.value_and_slope(z[lane]).0)
@@ -441,7 +454,7 @@ impl Course {
     /// Continuity class.
     pub fn smoothness(&self) -> Smoothness {
         match self {
-            Self::Polynomial(_) => Smoothness::Smooth,
+            Self::Polynomial(_) | Self::Linear { .. } => Smoothness::Smooth,
             Self::Drawn { profile, .. } => profile.smoothness(),
         }
     }
@@ -452,6 +465,7 @@ impl Course {
             Self::Polynomial(c) => {
                 c.first().copied().unwrap_or(0.0) == value && c.iter().skip(1).all(|&c| c == 0.0)
             }
+            Self::Linear { start, slope, .. } => *start == value && *slope == 0.0,
             Self::Drawn { profile, scale, .. } => {
                 profile.as_constant().is_some_and(|c| c * scale == value)
             }
@@ -462,6 +476,9 @@ impl Course {
     pub fn is_finite(&self) -> bool {
         match self {
             Self::Polynomial(c) => c.iter().all(|c| c.is_finite()),
+            Self::Linear { from, start, slope } => {
+                from.is_finite() && start.is_finite() && slope.is_finite()
+            }
             Self::Drawn {
                 from,
                 per_length,

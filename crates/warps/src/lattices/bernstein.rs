@@ -12,7 +12,7 @@ use super::{Grid, LatticeError};
 use anamorph_core::simd::{self, Level, Simd, dispatch, f64x8, prelude::*};
 use anamorph_core::{
     Address, Affine, Condition, Deformation, Facts, Influences, Linear, Mark, Site, Smoothness,
-    Space, Support, Unmapped, Warp,
+    Space, Unmapped, Warp,
 };
 use anamorph_fields::basis;
 
@@ -132,7 +132,7 @@ impl<S: Space> BernsteinLattice<S> {
             "the outer k + 1 planes of control points must stay for C^k",
         );
         Facts {
-            support: Support::Box(self.grid.bounds()),
+            support: self.grid.support(),
             edge,
             ..Facts::identity()
         }
@@ -366,9 +366,8 @@ fn eight<V: Simd, S: Space, const N: usize>(
             sum[c] += plane[c] * b0[i];
         }
     }
-    let mut moved = block;
-    for c in 0..S::DIM {
-        moved[c] = inside.select(block[c] + sum[c], block[c]);
+    for by in &mut sum {
+        *by = inside.select(*by, zero);
     }
-    simd::write_block(moved, points);
+    simd::write_block(simd::moved_by::<V, S>(v, &block, &sum), points);
 }

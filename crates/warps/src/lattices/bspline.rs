@@ -15,7 +15,7 @@ use anamorph_core::simd::fearless_simd::{f64x4, prelude::*};
 use anamorph_core::simd::{Level, Simd, dispatch};
 use anamorph_core::{
     Address, Affine, Condition, Deformation, Facts, Influences, Linear, Mark, Site, Smoothness,
-    Space, Support, Unmapped, Warp,
+    Space, Unmapped, Warp,
 };
 use anamorph_fields::basis::KnotVector;
 
@@ -287,7 +287,7 @@ impl<S: Space> BsplineLattice<S> {
         let edge = face_smoothness(&self.grid, inside, scale, derivative, &moves);
         let note = lattice_note(edge, "the control points that reach a face must stay");
         Facts {
-            support: Support::Box(self.grid.bounds()),
+            support: self.grid.support(),
             inside,
             edge,
             ..Facts::identity()
@@ -453,6 +453,6 @@ fn kernel<V: Simd, S: Space, const N: usize>(v: V, lattice: &BsplineLattice<S>, 
             sum += plane * f64x4::splat(v, basis[0][i]);
         }
         let sum: [f64; 4] = sum.into();
-        *point += S::from_fn(|axis| sum[axis]);
+        *point = point.moved_by(S::from_fn(|axis| sum[axis]));
     }
 }

@@ -4,7 +4,7 @@
 //! coordinates of a parallelepiped); errata F3 (the closed box and its faces).
 
 use anamorph_core::simd::{self, Simd, f64x8, mask64x8, prelude::*};
-use anamorph_core::{Bounds, Linear, Mark, Role, Shape, Site, Smoothness, Space};
+use anamorph_core::{Bounds, Linear, Mark, Role, Shape, Site, Smoothness, Space, Support};
 
 /// A local coordinate this far outside [0, 1] still counts as on the face: it absorbs the rounding of the change of
 /// coordinates when a model touches its lattice box.
@@ -203,6 +203,20 @@ impl<S: Space> Grid<S> {
             bounds = bounds.union(Bounds { min: p, max: p });
         }
         bounds
+    }
+
+    /// Where a lattice can move points: the bounds of the box, grown by the tolerance of its faces and by rounding.
+    pub(crate) fn support(&self) -> Support<S> {
+        let bounds = self.bounds();
+        let corner = bounds.min.largest().max(bounds.max.largest());
+        let rim = S::from_fn(|axis| {
+            let edges: f64 = (0..S::DIM).map(|i| self.edges.entry(axis, i).abs()).sum();
+            2.0 * FACE_TOLERANCE * edges + 4.0 * f64::EPSILON * corner
+        });
+        Support::Box(Bounds {
+            min: bounds.min - rim,
+            max: bounds.max + rim,
+        })
     }
 
     /// Derivative of the local coordinates by the point, transposed: column `i` is the gradient of coordinate `i`.

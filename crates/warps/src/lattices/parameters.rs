@@ -523,8 +523,10 @@ pub(crate) fn frame_lattice<S: Rotational>() -> WarpEntry<S> {
                 }
             });
         }
-        let warp =
-            FrameLattice::construct(grid, transformations).map_err(|error| located(&error))?;
+        let warp = FrameLattice::construct(grid, transformations).map_err(|error| match error {
+            LatticeError::NotFinite { .. } => ConstructError::new("frame", error.to_string()),
+            error => located(&error),
+        })?;
         Ok(Built {
             marks: warp.marks(),
             warp: Box::new(warp),
