@@ -13,7 +13,6 @@ mod files;
 mod model;
 mod picture;
 mod progress;
-mod registries;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

@@ -1,7 +1,8 @@
 //! A model file and a recipe brought together in the model's space.
 
 use crate::error::Failure;
-use crate::{files, registries};
+use crate::files;
+use anamorph::registry;
 use anamorph_catalog::{Attributes, Context};
 use anamorph_core::{Bounds, Deformation, Plane, Solid, Space, Stack, map_all_parallel};
 use anamorph_io::{Document, Points, ReadOptions};
@@ -19,7 +20,7 @@ pub(crate) trait ModelSpace: anamorph_preview::Drawable {
 
 impl ModelSpace for Plane {
     fn registry() -> Registry<Self> {
-        registries::plane()
+        registry::plane()
     }
     fn points<'a>(points: Points<'a>) -> Option<&'a [Self]> {
         match points {
@@ -34,7 +35,7 @@ impl ModelSpace for Plane {
 
 impl ModelSpace for Solid {
     fn registry() -> Registry<Self> {
-        registries::solid()
+        registry::solid()
     }
     fn points<'a>(points: Points<'a>) -> Option<&'a [Self]> {
         match points {

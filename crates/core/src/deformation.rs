@@ -22,6 +22,9 @@ pub struct Facts<S> {
     /// Multiplying every strength by `m` equals blending the result, `p + m(D(p) − p)`: displacement scaling and weights
     /// that ignore targets.
     pub strength_blends: bool,
+    /// Weights fall to 0 continuously wherever they end, so that an ambient weight removes a jump at the edge (errata F4).
+    /// Those of a lattice do not: they sum to 1 up to the faces of its box.
+    pub weights_fade: bool,
     /// Sentences a report should carry: which limits are in force, where continuity is lost, what repairs it.
     pub notes: Vec<String>,
 }
@@ -36,6 +39,7 @@ impl<S: Space> Facts<S> {
             translations_only: true,
             weights_follow_targets: false,
             strength_blends: true,
+            weights_fade: false,
             notes: Vec::new(),
         }
     }
@@ -232,6 +236,7 @@ impl<S: Space> Deformation<S> for Stack<S> {
             facts.translations_only &= next.translations_only;
             facts.weights_follow_targets |= next.weights_follow_targets;
             facts.strength_blends = false;
+            facts.weights_fade = false;
             facts.notes.extend(next.notes);
         }
         if !alone {
@@ -291,13 +296,20 @@ impl<S: Space> Masked<S> {
 /// `p + m (moved − p)`, exact at 0 and 1.
 #[inline(always)]
 pub(crate) fn blend<S: Space>(p: S, moved: S, m: f64) -> S {
-    if m == 1.0 {
-        moved
-    } else if m == 0.0 {
-        p
-    } else {
-        p + (moved - p) * m
-    }
+    // Computed first and chosen afterwards: choices without branches, which random masks would mispredict.
+    let between = p + (moved - p) * m;
+    S::from_fn(|axis| {
+        let inside = if m == 0.0 {
+            p.component(axis)
+        } else {
+            between.component(axis)
+        };
+        if m == 1.0 {
+            moved.component(axis)
+        } else {
+            inside
+        }
+    })
 }
 
 /// The facts of `facts` blended by `mask`.

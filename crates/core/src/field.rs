@@ -92,6 +92,34 @@ impl<S: Space> Support<S> {
         }
     }
 
+    /// Whether this contains all of `other`, as far as balls and boxes tell: `false` may mean unknown.
+    pub fn covers(&self, other: &Self) -> bool {
+        match (self, other) {
+            (_, Self::Nowhere) | (Self::Everywhere, _) => true,
+            (Self::Nowhere, _) | (_, Self::Everywhere) => false,
+            (
+                Self::Ball { centre, radius },
+                Self::Ball {
+                    centre: inner,
+                    radius: reach,
+                },
+            ) => centre.distance(*inner) + reach <= *radius,
+            (Self::Ball { .. }, Self::Box(b)) => (0..1_usize << S::DIM).all(|corner| {
+                self.contains(S::from_fn(|axis| {
+                    let end = if corner >> axis & 1 == 1 {
+                        b.max
+                    } else {
+                        b.min
+                    };
+                    end.component(axis)
+                }))
+            }),
+            (Self::Box(outer), inner) => inner
+                .bounds()
+                .is_some_and(|b| outer.contains(b.min) && outer.contains(b.max)),
+        }
+    }
+
     /// A support that contains what both contain.
     pub fn intersection(self, other: Self) -> Self {
         match (self, other) {
@@ -132,6 +160,11 @@ pub trait Field<S: Space>: Send + Sync {
     /// Whether the field is a function of space or of one model.
     fn domain(&self) -> Domain {
         Domain::Space
+    }
+    /// Whether the value is known to be greater than 0 at every inner point of the support, as a weight must be for its
+    /// support to tell where it vanishes (errata F4). `false` may mean unknown.
+    fn positive(&self) -> bool {
+        self.constant().is_some_and(|value| value > 0.0)
     }
     /// The value, if it is the same everywhere.
     fn constant(&self) -> Option<f64> {
@@ -195,6 +228,7 @@ macro_rules! forward_field {
             fn support(&self) -> Support<S> { (**self).support() }
             fn smoothness(&self) -> Smoothness { (**self).smoothness() }
             fn domain(&self) -> Domain { (**self).domain() }
+            fn positive(&self) -> bool { (**self).positive() }
             fn constant(&self) -> Option<f64> { (**self).constant() }
             fn values(&self, first: usize, points: &[S], values: &mut [f64]) { (**self).values(first, points, values) }
             fn gradient(&self, site: &Site<S>, size: f64) -> Option<S> { (**self).gradient(site, size) }

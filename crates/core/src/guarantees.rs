@@ -111,6 +111,11 @@ pub fn continuity<S: Space, D: Deformation<S> + ?Sized>(deformation: &D) -> Guar
             "depends on a field that lives on the model: no continuity in space can be stated"
                 .to_owned(),
         )
+    } else if facts.inside == Smoothness::Jump {
+        (
+            Verdict::Unknown,
+            "may jump: a field of the warp is not continuous".to_owned(),
+        )
     } else if facts.inside == facts.edge {
         (
             Verdict::Proved,
@@ -206,7 +211,7 @@ pub fn no_fold<S: Space, D: Deformation<S> + ?Sized>(
             return Guarantee::new(Property::NoFold, Verdict::Unknown, statement, None);
         };
         let value = jacobian.determinant();
-        if worst.is_none_or(|w| value < w.value) {
+        if worst.is_none_or(|w| value < w.value || w.value.is_nan()) {
             worst = Some(Witness { place, value });
         }
     }

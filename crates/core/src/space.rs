@@ -100,6 +100,14 @@ pub trait Space:
     fn is_finite(self) -> bool {
         (0..Self::DIM).all(|axis| self.component(axis).is_finite())
     }
+    /// The point moved by a vector. A coordinate that does not move keeps its bits: a negative zero its sign, too, which
+    /// adding 0 would take away.
+    fn moved_by(self, by: Self) -> Self {
+        Self::from_fn(|i| {
+            let (p, d) = (self.component(i), by.component(i));
+            if d == 0.0 { p } else { p + d }
+        })
+    }
     /// Coordinate-wise minimum.
     fn min(self, other: Self) -> Self {
         Self::from_fn(|i| self.component(i).min(other.component(i)))

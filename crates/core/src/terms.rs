@@ -83,41 +83,31 @@ impl<S: Space> Deformation<S> for Terms<S> {
     }
     fn facts(&self) -> Facts<S> {
         let mut facts = Facts::identity();
-        let mut weights = Support::Nowhere;
-        let mut edge_class = Smoothness::Smooth;
+        facts.weights_fade = true;
+        let mut jumps = false;
         for term in &self.terms {
             let (s, w) = (&term.strength, &term.weight);
             facts.support = facts.support.union(s.support().intersection(w.support()));
-            weights = weights.union(w.support());
             facts.inside = facts.inside.min(s.smoothness()).min(w.smoothness());
+            facts.weights_fade &= w.smoothness() > Smoothness::Jump;
             facts.translations_only &= term.transformation.is_translation();
             facts.strength_blends &= term.transformation.is_translation()
                 || term.transformation.scaling() == Scaling::Displacement;
-            edge_class = edge_class.min(s.smoothness());
             // Where the last weight vanishes the average jumps, unless no strength is left there (errata F4).
-            let strength_covers = s.constant().is_some_and(|s| s != 0.0)
-                || match (s.support().bounds(), w.support().bounds()) {
-                    (Some(s), Some(w)) => !(w.contains(s.min) && w.contains(s.max)),
-                    (None, Some(_)) => s.support() == Support::Everywhere,
-                    _ => false,
-                };
-            if strength_covers
-                && weights != Support::Everywhere
-                && w.support() != Support::Everywhere
-            {
-                edge_class = Smoothness::Jump;
-            }
+            jumps |= !(w.positive() && w.support().covers(&s.support()));
         }
-        if weights == Support::Everywhere || facts.support == Support::Nowhere {
-            facts.edge = facts.inside;
-        } else if let (Smoothness::Jump, Average::Weights) = (edge_class, self.average) {
+        // A weight that vanishes nowhere leaves no place to jump.
+        let covered = self
+            .terms
+            .iter()
+            .any(|t| t.weight.positive() && t.weight.support() == Support::Everywhere);
+        facts.edge = facts.inside;
+        if jumps && !covered && self.average == Average::Weights {
             facts.edge = Smoothness::Jump;
             facts = facts.with_note(
                 "jumps where the last weight vanishes, because the strength is not zero there (errata F4); let the \
                  strength fall to 0 inside the weight's support, or set an ambient weight",
             );
-        } else {
-            facts.edge = edge_class.min(facts.inside);
         }
         facts
     }
@@ -190,6 +180,14 @@ impl<S: Space> Modulated<S> {
         self
     }
 
+    /// Whether nothing is changed at all: then the warp's kernel serves.
+    fn neutral(&self) -> bool {
+        let one = |field: &Option<Box<dyn Field<S>>>| {
+            field.as_ref().is_none_or(|f| f.constant() == Some(1.0))
+        };
+        self.ambient.is_none() && one(&self.strength) && one(&self.weight)
+    }
+
     /// The strength factor, if scaling strengths by it is the same as blending the result and nothing else is changed:
     /// then the warp's kernel serves.
     fn blending_strength(&self) -> Option<&dyn Field<S>> {
@@ -200,6 +198,9 @@ impl<S: Space> Modulated<S> {
 
 impl<S: Space> Deformation<S> for Modulated<S> {
     fn map(&self, site: &Site<S>) -> S {
+        if self.neutral() {
+            return self.warp.map(site);
+        }
         match self.blending_strength() {
             Some(field) => blend(site.point, self.warp.map(site), field.value(site)),
             None => evaluate(self, site),
@@ -213,8 +214,9 @@ impl<S: Space> Deformation<S> for Modulated<S> {
         }
         if let Some(weight) = &self.weight {
             facts.inside = facts.inside.min(weight.smoothness());
-            if weight.support() != Support::Everywhere {
-                facts.support = facts.support.intersection(weight.support());
+            facts.weights_fade &= weight.smoothness() > Smoothness::Jump;
+            // A weight that vanishes within the warp's reach leaves the rest of the average to jump.
+            if !(weight.positive() && weight.support().covers(&facts.support)) {
                 if self.ambient.is_none() {
                     facts.edge = Smoothness::Jump;
                     facts = facts.with_note(
@@ -222,10 +224,11 @@ impl<S: Space> Deformation<S> for Modulated<S> {
                          F4); use `strength` or `mask` for a smooth end, or set `ambient`",
                     );
                 }
+                facts.support = facts.support.intersection(weight.support());
             }
         }
         if self.ambient.is_some() {
-            if facts.edge == Smoothness::Jump {
+            if facts.edge == Smoothness::Jump && facts.weights_fade {
                 facts.edge = facts.inside;
             }
             facts.strength_blends &= self.weight.is_none();
@@ -247,21 +250,21 @@ impl<S: Space> Deformation<S> for Modulated<S> {
     }
 
     fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+        if self.neutral() {
+            return self.warp.map_points(first, points);
+        }
         if let Some(field) = self.blending_strength() {
             return map_masked(&self.warp, field, first, points);
-        }
-        if self.strength.is_none() && self.weight.is_none() && self.ambient.is_none() {
-            return self.warp.map_points(first, points);
         }
         evaluate_points(self, first, points)
     }
 
     fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> {
+        if self.neutral() {
+            return self.warp.jacobian(site, size);
+        }
         if let Some(field) = self.blending_strength() {
             return masked_jacobian(&self.warp, field, site, size);
-        }
-        if self.strength.is_none() && self.weight.is_none() && self.ambient.is_none() {
-            return self.warp.jacobian(site, size);
         }
         crate::difference_jacobian(self, site, size)
     }

@@ -277,21 +277,21 @@ pub fn combine<S: Space, W: Warp<S> + ?Sized>(warp: &W, point: S, influences: &I
         return point;
     }
     if (SMALL..LARGE).contains(&largest) {
-        return match (warp.average(), influences.log_scale) {
-            (Average::Weights, _) => point + moved / total,
-            (Average::Plain, 0.0) => point + moved,
-            (Average::Plain, log_scale) => point + moved * crate::math::exp(log_scale),
-            (Average::Ambient(ambient), 0.0) => point + moved / (total + ambient),
+        return point.moved_by(match (warp.average(), influences.log_scale) {
+            (Average::Weights, _) => moved / total,
+            (Average::Plain, 0.0) => moved,
+            (Average::Plain, log_scale) => moved * crate::math::exp(log_scale),
+            (Average::Ambient(ambient), 0.0) => moved / (total + ambient),
             (Average::Ambient(ambient), log_scale) => {
-                point + moved / (total + ambient * crate::math::exp(-log_scale))
+                moved / (total + ambient * crate::math::exp(-log_scale))
             }
-        };
+        });
     }
     let mut moved = S::ZERO;
     for_each_share(warp, point, influences, |affine, share| {
         moved += affine.displacement(point) * share;
     });
-    point + moved
+    point.moved_by(moved)
 }
 
 /// The deforming function `D(u)` as an affine map: `I + Σ ŵ_i (A_i − I)`.

@@ -49,6 +49,12 @@ impl<S: Space> Field<S> for Product<S> {
         let domains = self.factors.iter().map(Field::domain);
         domains.max().unwrap_or(Domain::Space)
     }
+    fn positive(&self) -> bool {
+        // Of two bounded supports only a box around the common part is known.
+        let supports = self.factors.iter().map(Field::support);
+        let bounded = supports.filter(|s| *s != Support::Everywhere).count();
+        bounded <= 1 && self.factors.iter().all(Field::positive)
+    }
     fn constant(&self) -> Option<f64> {
         let mut constants = self.factors.iter().map(Field::constant);
         if constants.clone().any(|c| c == Some(0.0)) {
@@ -177,6 +183,9 @@ impl<S: Space, F: Field<S>> Field<S> for Scaled<F> {
     }
     fn domain(&self) -> Domain {
         self.field.domain()
+    }
+    fn positive(&self) -> bool {
+        self.factor > 0.0 && self.field.positive()
     }
     fn constant(&self) -> Option<f64> {
         if self.factor == 0.0 {

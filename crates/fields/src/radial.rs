@@ -83,6 +83,9 @@ impl<S: Space, F: Falloff> Field<S> for Radial<S, F> {
     fn support(&self) -> Support<S> {
         self.ball.support(&self.falloff)
     }
+    fn positive(&self) -> bool {
+        true
+    }
     fn smoothness(&self) -> Smoothness {
         self.falloff.smoothness()
     }
@@ -147,6 +150,9 @@ impl<S: Space, F: Falloff> Field<S> for RadialWeight<S, F> {
             Some((ball, falloff)) => ball.support(falloff),
             None => Support::Everywhere,
         }
+    }
+    fn positive(&self) -> bool {
+        true
     }
     /// The class of the reciprocal `d²/f` at the centre, where the weight is infinite.
     fn smoothness(&self) -> Smoothness {
@@ -213,6 +219,9 @@ impl<S: Space> Field<S> for InverseDistance<S> {
     }
     fn support(&self) -> Support<S> {
         Support::Everywhere
+    }
+    fn positive(&self) -> bool {
+        true
     }
     /// The class of the reciprocal, on which normalized weights depend.
     fn smoothness(&self) -> Smoothness {

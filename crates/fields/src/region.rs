@@ -113,6 +113,9 @@ impl<S: Space, F: Falloff> Field<S> for BoxField<S, F> {
             max: self.bounds.max + margin,
         })
     }
+    fn positive(&self) -> bool {
+        true
+    }
     fn smoothness(&self) -> Smoothness {
         self.step.smoothness()
     }

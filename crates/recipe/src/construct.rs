@@ -154,7 +154,10 @@ impl Recipe {
                 .and_then(|property| property.get("description")?.as_str());
             hint = hint.zip(property).map(|(hint, what)| {
                 let what = what.split("\n\n").next().unwrap_or(what).replace('\n', " ");
-                format!("{hint}: {}", what.trim_end_matches('.'))
+                // In the middle of a sentence.
+                let mut letters = what.trim_end_matches('.').chars();
+                let first = letters.next().map(|first| first.to_lowercase().to_string());
+                format!("{hint}: {}{}", first.unwrap_or_default(), letters.as_str())
             });
         }
         let hint = if error.hint.is_empty() {

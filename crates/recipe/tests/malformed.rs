@@ -61,7 +61,7 @@ const CASES: &[Case] = &[
     ("a.toml", "version = 1\n[[warp]]\nkind = \"shift\"\noffset = [1, 2, 3]\nangle = 45\n", &[], "a.toml:5:9: warp.0.angle: an angle needs its unit, and 45 has none; write \"45deg\" or \"45rad\""),
     ("a.toml", "version = 1\n[[warp]]\nkind = \"shift\"\noffset = [1, 2, 3]\nangle = \"45\"\n", &[], "a.toml:5:9: warp.0.angle: an angle needs its unit, and 45 has none; write \"45deg\" or \"45rad\""),
     ("a.toml", "version = 1\n[[warp]]\nkind = \"shift\"\noffset = [1, 2, 3]\nangle = \"many deg\"\n", &[], "a.toml:5:9: warp.0.angle: `many deg` is not an angle; write a number and its unit, such as \"45deg\" or \"0.7rad\""),
-    ("a.toml", "version = 1\n[[warp]]\nkind = \"shift\"\n", &[], "a.toml:2:1: warp.0: `offset` is missing; add `offset`: How far all points move"),
+    ("a.toml", "version = 1\n[[warp]]\nkind = \"shift\"\n", &[], "a.toml:2:1: warp.0: `offset` is missing; add `offset`: how far all points move"),
     ("a.toml", "version = 1\n[[warp]]\nkind = \"shift\"\noffset = [1, 2]\n", &[], "a.toml:4:10: warp.0.offset: 2 coordinates where the space has 3; write [x, y, z]"),
     ("a.toml", "version = 1\n[[warp]]\nkind = \"shift\"\noffset = [1, \"x\", 2]\n", &[], "a.toml:4:14: warp.0.offset.1: `x` is neither a number nor a percentage; write a number in scene units, or a share of the model's bounds such as \"50%\""),
     ("a.toml", "version = 1\n[[warp]]\nkind = \"shift\"\noffset = { x = 1 }\n", &[], "a.toml:4:10: warp.0.offset: a table where a list of numbers or percentages, one per coordinate, such as [0, \"50%\", 1.5] was expected"),

@@ -44,9 +44,9 @@ fn check_one<S: ModelSpace>(
                 })
                 .map_err(Failure::new)?;
             let shape = if S::DIM == 2 {
-                "a square from -1 to 1"
+                "a square from -1 to 1 (name a model with --model)"
             } else {
-                "a cube from -1 to 1"
+                "a cube from -1 to 1 (name a model with --model)"
             };
             (built, points, shape.to_owned())
         }

@@ -1,6 +1,6 @@
 //! Wavefront OBJ: text with vertices, polygons, lines and points.
 //!
-//! *Source*: Alias|Wavefront, *Advanced Visualizer Manual*, Appendix B1 "Object Files (.obj)", version 3.0. Where the
+//! *Source*: Alias|Wavefront, *Advanced Visualizer Manual*, Appendix B1 "Object Files (.obj)", version 3.0, 1995. Where the
 //! text is silent or files differ from it, we read as Blender does:
 //!
 //! - A fourth number `w` behind a vertex is, as the text has it, the weight of a rational curve's control point: the

@@ -1,4 +1,7 @@
 //! What Barr's deformations share: a local frame about an axis and a transformation per axis coordinate.
+//!
+//! *Source*: A. H. Barr, *Global and Local Deformations of Solid Primitives*, SIGGRAPH 1984; Milliron et al. 2002, §4.3. The
+//! Jacobian is `T(z)` with `T′(z)⟨p⟩` added to its last column.
 
 use crate::lattices::one;
 use anamorph_core::simd::{self, Level, Simd, dispatch};
@@ -329,36 +332,43 @@ impl<S: Space, L: Law> Warp<S> for AxialWarp<S, L> {
 /// keeps its bits.
 #[inline(always)]
 fn kernel<V: Simd, S: Space, L: Law>(v: V, frame: &AxisFrame<S>, law: &L, points: &mut [S]) {
-    let e = frame
-        .basis
-        .map(|e| [e.component(0), e.component(1), e.component(2)]);
-    let origin = [
-        frame.origin.component(0),
-        frame.origin.component(1),
-        frame.origin.component(2),
-    ];
-    let s = |value: f64| simd::splat(v, value);
-    simd::for_each_block(points, |points| {
-        let p = simd::read_block(v, points);
-        let d: simd::Block<V> = core::array::from_fn(|c| p[c] - s(origin[c]));
-        let q: simd::Block<V> = core::array::from_fn(|i| {
-            let sum = s(e[i][0]) * d[0] + s(e[i][1]) * d[1];
-            if S::DIM == 3 {
-                sum + s(e[i][2]) * d[2]
-            } else {
-                sum
-            }
-        });
-        let moved = law.map_block(v, q);
-        let by: simd::Block<V> = core::array::from_fn(|i| moved[i] - q[i]);
-        let out = core::array::from_fn(|c| {
-            if c >= S::DIM {
-                return p[c];
-            }
-            p[c] + (s(e[0][c]) * by[0] + s(e[1][c]) * by[1] + s(e[2][c]) * by[2])
-        });
-        simd::write_block(out, points);
-    });
+    let mut blocks = simd::Blocks::new(points);
+    while let Some(block) = blocks.next() {
+        eight(v, frame, law, block);
+    }
+    blocks.finish();
+}
+
+/// One block of the kernel. Loops and no closures: what is not inlined loses the vector instructions.
+#[inline(always)]
+fn eight<V: Simd, S: Space, L: Law>(
+    v: V,
+    frame: &AxisFrame<S>,
+    law: &L,
+    points: &mut [S; simd::LANES],
+) {
+    let p = simd::read_block(v, points);
+    let zero = simd::splat(v, 0.0);
+    let mut d = [zero; 3];
+    for c in 0..S::DIM {
+        d[c] = p[c] - simd::splat(v, frame.origin.component(c));
+    }
+    let mut q = [zero; 3];
+    for (q, e) in q.iter_mut().zip(&frame.basis) {
+        *q = simd::splat(v, e.component(0)) * d[0];
+        for (c, d) in d.iter().enumerate().take(S::DIM).skip(1) {
+            *q += simd::splat(v, e.component(c)) * *d;
+        }
+    }
+    let moved = law.map_block(v, q);
+    let mut by = [zero; 3];
+    for (c, by) in by.iter_mut().enumerate().take(S::DIM) {
+        *by = simd::splat(v, frame.basis[0].component(c)) * (moved[0] - q[0]);
+        for i in 1..3 {
+            *by += simd::splat(v, frame.basis[i].component(c)) * (moved[i] - q[i]);
+        }
+    }
+    simd::write_block(simd::moved_by::<V, S>(v, &p, &by), points);
 }
 
 /// A scalar that varies along the axis: an angle, a factor, a shift.
@@ -366,6 +376,16 @@ fn kernel<V: Simd, S: Space, L: Law>(v: V, frame: &AxisFrame<S>, law: &L, points
 pub enum Course {
     /// `c₀ + c₁ ẑ + c₂ ẑ² + …` in the (limited) axis coordinate.
     Polynomial(Vec<f64>),
+    /// `start + slope (ẑ − from)`: exactly `start` at `from`, so that a range that begins with no change changes no bit
+    /// before it.
+    Linear {
+        /// Where the value is `start`.
+        from: f64,
+        /// The value there.
+        start: f64,
+        /// Change per scene unit.
+        slope: f64,
+    },
     /// A curve drawn by points over the share of the range, 0 at its start and 1 at its end, multiplied by `scale`.
     Drawn {
         /// The curve.
@@ -383,7 +403,7 @@ impl Course {
     /// The value `start` at `from` and `end` at `to`, linear in between and beyond.
     pub fn linear(from: f64, start: f64, to: f64, end: f64) -> Self {
         let slope = (end - start) / (to - from);
-        Self::Polynomial(vec![start - slope * from, slope])
+        Self::Linear { from, start, slope }
     }
 
     /// Value and derivative at a coordinate.
@@ -398,6 +418,7 @@ impl Course {
                 }
                 (value, slope)
             }
+            Self::Linear { from, start, slope } => (start + slope * (z - from), *slope),
             Self::Drawn {
                 profile,
                 from,
@@ -420,6 +441,9 @@ impl Course {
                 .fold(simd::splat(v, 0.0), |value, &c| {
                     value * z + simd::splat(v, c)
                 }),
+            Self::Linear { from, start, slope } => {
+                simd::splat(v, *start) + simd::splat(v, *slope) * (z - simd::splat(v, *from))
+            }
             Self::Drawn { .. } => {
                 let z: [f64; simd::LANES] = z.into();
                 simd::lanes(v, |lane| self.value_and_slope(z[lane]).0)
@@ -430,7 +454,7 @@ impl Course {
     /// Continuity class.
     pub fn smoothness(&self) -> Smoothness {
         match self {
-            Self::Polynomial(_) => Smoothness::Smooth,
+            Self::Polynomial(_) | Self::Linear { .. } => Smoothness::Smooth,
             Self::Drawn { profile, .. } => profile.smoothness(),
         }
     }
@@ -441,6 +465,7 @@ impl Course {
             Self::Polynomial(c) => {
                 c.first().copied().unwrap_or(0.0) == value && c.iter().skip(1).all(|&c| c == 0.0)
             }
+            Self::Linear { start, slope, .. } => *start == value && *slope == 0.0,
             Self::Drawn { profile, scale, .. } => {
                 profile.as_constant().is_some_and(|c| c * scale == value)
             }
@@ -451,6 +476,9 @@ impl Course {
     pub fn is_finite(&self) -> bool {
         match self {
             Self::Polynomial(c) => c.iter().all(|c| c.is_finite()),
+            Self::Linear { from, start, slope } => {
+                from.is_finite() && start.is_finite() && slope.is_finite()
+            }
             Self::Drawn {
                 from,
                 per_length,

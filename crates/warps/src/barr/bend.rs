@@ -190,6 +190,9 @@ fn axis_point(bend: &Bend, nodes: &[(f64, [f64; 2])], z: f64) -> [f64; 2] {
 
 impl Law for Bend {
     fn at(&self, z: f64, strength: f64) -> LocalMap {
+        if strength == 0.0 || self.curvature == 0.0 {
+            return LocalMap::IDENTITY;
+        }
         if strength != 1.0 {
             return self.with_strength(strength).at(z, 1.0);
         }

@@ -1,4 +1,6 @@
 //! How recipes describe Barr deformations.
+//!
+//! *Source*: Milliron et al. 2002, §4.3; the notation is a decision.
 
 use super::axial::Axial;
 use super::bend::Bend;

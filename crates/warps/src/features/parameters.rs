@@ -1,4 +1,6 @@
 //! How recipes describe point, frame and vortex features.
+//!
+//! *Source*: Milliron et al. 2002, §3.2–3.3; the notation is a decision.
 
 use super::frames::FrameWarp;
 use super::points::PointWarp;
@@ -142,7 +144,11 @@ pub(crate) fn points<S: Space>() -> WarpEntry<S> {
         summary: "carries source points to their targets; the rest follows",
         reference: "Milliron, Jensen, Barzel and Finkelstein, A Framework for Geometric Warps and Deformations, ACM TOG \
                     21(1), 2002, §3.2",
-        example: "radius = \"45%\"\npoint = [{ from = \"50%\", by = [\"30%\", \"20%\"] }]\n",
+        example: if S::DIM == 2 {
+            "radius = \"45%\"\npoint = [{ from = \"50%\", by = [\"30%\", \"20%\"] }]\n"
+        } else {
+            "radius = \"45%\"\npoint = [{ from = \"50%\", by = [\"30%\", \"20%\", 0] }]\n"
+        },
         schema: PointsParameters::json_schema,
         construct: construct::<S>,
     }
@@ -367,7 +373,11 @@ pub(crate) fn vortex<S: Space>() -> WarpEntry<S> {
         system: "B2",
         summary: "swirls a model about a centre or a line; the turn dies out with distance",
         reference: "G. Wolberg, Digital Image Warping, IEEE Computer Society Press, 1990",
-        example: "centre = \"50%\"\nangle = \"140deg\"\nradius = \"40%\"\n",
+        example: if S::DIM == 2 {
+            "centre = \"50%\"\nangle = \"140deg\"\nradius = \"40%\"\n"
+        } else {
+            "centre = \"50%\"\naxis = \"y\"\nangle = \"140deg\"\nradius = \"40%\"\n"
+        },
         schema: VortexParameters::json_schema,
         construct: construct::<S>,
     }

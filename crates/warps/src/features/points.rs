@@ -83,9 +83,9 @@ impl<S: Space> Deformation<S> for PointWarp<S> {
             }
         }
         if count > 0 {
-            site.point + infinite / f64::from(count)
+            site.point.moved_by(infinite / f64::from(count))
         } else if total > 1e-290 && total < 1e290 {
-            site.point + moved / total
+            site.point.moved_by(moved / total)
         } else {
             // Weights at the ends of the number range: the engine rescales them.
             anamorph_core::evaluate(self, site)

@@ -12,7 +12,7 @@ use super::{Grid, LatticeError};
 use anamorph_core::simd::{self, Level, Simd, dispatch, f64x8, prelude::*};
 use anamorph_core::{
     Address, Affine, Condition, Deformation, Facts, Influences, Linear, Mark, Site, Smoothness,
-    Space, Support, Unmapped, Warp,
+    Space, Unmapped, Warp,
 };
 use anamorph_fields::basis;
 
@@ -132,7 +132,7 @@ impl<S: Space> BernsteinLattice<S> {
             "the outer k + 1 planes of control points must stay for C^k",
         );
         Facts {
-            support: Support::Box(self.grid.bounds()),
+            support: self.grid.support(),
             edge,
             ..Facts::identity()
         }
@@ -319,44 +319,55 @@ fn kernel<V: Simd, S: Space, const N: usize>(
     shape: [usize; 3],
     points: &mut [S],
 ) {
-    let (grid, rows) = (&lattice.grid, lattice.flat.as_slice());
-    simd::for_each_block(points, |points| {
-        let block = simd::read_block(v, points);
-        let (t, inside) = grid.local_block(v, &block);
-        if !inside.any_true() {
-            return;
-        }
-        let b0 = bernstein_block::<V, N>(v, t[0], shape[0]);
-        let b1 = bernstein_block::<V, N>(v, t[1], shape[1]);
-        let b2 = bernstein_block::<V, N>(v, t[2], shape[2]);
-        let zero = simd::splat(v, 0.0);
-        let mut sum = [zero; 3];
-        for i in 0..shape[0] {
-            let mut plane = [zero; 3];
-            for j in 0..shape[1] {
-                let row = &rows[(i * shape[1] + j) * shape[2]..][..shape[2]];
-                let mut line: simd::Block<V> =
-                    core::array::from_fn(|c| simd::splat(v, row[0][c]) * b2[0]);
-                for k in 1..shape[2] {
-                    for c in 0..S::DIM {
-                        line[c] += simd::splat(v, row[k][c]) * b2[k];
-                    }
-                }
+    let mut blocks = simd::Blocks::new(points);
+    while let Some(block) = blocks.next() {
+        eight::<V, S, N>(v, lattice, shape, block);
+    }
+    blocks.finish();
+}
+
+/// One block of the kernel. Loops and no closures: what is not inlined loses the vector instructions.
+#[inline(always)]
+fn eight<V: Simd, S: Space, const N: usize>(
+    v: V,
+    lattice: &BernsteinLattice<S>,
+    shape: [usize; 3],
+    points: &mut [S; simd::LANES],
+) {
+    let rows = lattice.flat.as_slice();
+    let block = simd::read_block(v, points);
+    let (t, inside) = lattice.grid.local_block(v, &block);
+    if !inside.any_true() {
+        return;
+    }
+    let b0 = bernstein_block::<V, N>(v, t[0], shape[0]);
+    let b1 = bernstein_block::<V, N>(v, t[1], shape[1]);
+    let b2 = bernstein_block::<V, N>(v, t[2], shape[2]);
+    let zero = simd::splat(v, 0.0);
+    let mut sum = [zero; 3];
+    for i in 0..shape[0] {
+        let mut plane = [zero; 3];
+        for j in 0..shape[1] {
+            let row = &rows[(i * shape[1] + j) * shape[2]..][..shape[2]];
+            let mut line = [zero; 3];
+            for c in 0..S::DIM {
+                line[c] = simd::splat(v, row[0][c]) * b2[0];
+            }
+            for k in 1..shape[2] {
                 for c in 0..S::DIM {
-                    plane[c] += line[c] * b1[j];
+                    line[c] += simd::splat(v, row[k][c]) * b2[k];
                 }
             }
             for c in 0..S::DIM {
-                sum[c] += plane[c] * b0[i];
+                plane[c] += line[c] * b1[j];
             }
         }
-        let moved = core::array::from_fn(|c| {
-            if c < S::DIM {
-                inside.select(block[c] + sum[c], block[c])
-            } else {
-                zero
-            }
-        });
-        simd::write_block(moved, points);
-    });
+        for c in 0..S::DIM {
+            sum[c] += plane[c] * b0[i];
+        }
+    }
+    for by in &mut sum {
+        *by = inside.select(*by, zero);
+    }
+    simd::write_block(simd::moved_by::<V, S>(v, &block, &sum), points);
 }

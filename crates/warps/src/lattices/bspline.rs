@@ -15,7 +15,7 @@ use anamorph_core::simd::fearless_simd::{f64x4, prelude::*};
 use anamorph_core::simd::{Level, Simd, dispatch};
 use anamorph_core::{
     Address, Affine, Condition, Deformation, Facts, Influences, Linear, Mark, Site, Smoothness,
-    Space, Support, Unmapped, Warp,
+    Space, Unmapped, Warp,
 };
 use anamorph_fields::basis::KnotVector;
 
@@ -115,16 +115,10 @@ impl Spans {
         let u = t - self.breaks[span];
         let rows = &self.coefficients[span];
         let mut values = [0.0; MOST];
-        if self.degree == 3 {
-            for (value, c) in values.iter_mut().zip(rows).take(4) {
-                *value = c[0] + u * (c[1] + u * (c[2] + u * c[3]));
-            }
-        } else {
-            for (value, c) in values.iter_mut().zip(rows).take(self.degree + 1) {
-                *value = c[..=self.degree]
-                    .iter()
-                    .rev()
-                    .fold(0.0, |sum, &c| sum * u + c);
+        for (value, c) in values.iter_mut().zip(rows).take(self.degree + 1) {
+            *value = c[self.degree];
+            for power in (0..self.degree).rev() {
+                *value = c[power] + u * *value;
             }
         }
         values
@@ -293,7 +287,7 @@ impl<S: Space> BsplineLattice<S> {
         let edge = face_smoothness(&self.grid, inside, scale, derivative, &moves);
         let note = lattice_note(edge, "the control points that reach a face must stay");
         Facts {
-            support: Support::Box(self.grid.bounds()),
+            support: self.grid.support(),
             inside,
             edge,
             ..Facts::identity()
@@ -328,9 +322,12 @@ impl<S: Space> Deformation<S> for BsplineLattice<S> {
     }
 
     fn map_points(&self, _: usize, points: &mut [S]) -> Unmapped {
-        match self.reach() {
-            [4, 4, 4] => dispatch!(Level::new(), v => kernel(v, self, [4, 4, 4], points)),
-            reach => dispatch!(Level::new(), v => kernel(v, self, reach, points)),
+        match self.degree {
+            1 => dispatch!(Level::new(), v => kernel::<_, S, 2>(v, self, points)),
+            2 => dispatch!(Level::new(), v => kernel::<_, S, 3>(v, self, points)),
+            3 => dispatch!(Level::new(), v => kernel::<_, S, 4>(v, self, points)),
+            4 => dispatch!(Level::new(), v => kernel::<_, S, 5>(v, self, points)),
+            _ => dispatch!(Level::new(), v => kernel::<_, S, MOST>(v, self, points)),
         }
         Unmapped::none()
     }
@@ -402,36 +399,60 @@ impl<S: Space> Warp<S> for BsplineLattice<S> {
     }
 }
 
-/// The kernel: point by point, the three coordinates of a control point in one vector. The cost does not depend on the
-/// size of the lattice but for what the caches hold.
+/// The kernel: point by point, the three coordinates of a control point in one vector; `N` is the degree plus one. The
+/// cost does not depend on the size of the lattice but for what the caches hold.
 #[inline(always)]
-fn kernel<V: Simd, S: Space>(
-    v: V,
-    lattice: &BsplineLattice<S>,
-    reach: [usize; 3],
-    points: &mut [S],
-) {
+fn kernel<V: Simd, S: Space, const N: usize>(v: V, lattice: &BsplineLattice<S>, points: &mut [S]) {
     let shape = lattice.grid.shape();
+    // In the plane the outer loop has a single pass and the two axes take the inner places.
+    let solid = S::DIM == 3;
+    let (stride, line_stride) = if solid {
+        (shape[1] * shape[2], shape[2])
+    } else {
+        (0, shape[1])
+    };
+    let zero = f64x4::splat(v, 0.0);
     for point in points {
         let Some(local) = lattice.grid.local(*point) else {
             continue;
         };
-        let (first, values) = lattice.at(local);
-        let mut sum = f64x4::splat(v, 0.0);
-        for (i, &wi) in values[0][..reach[0]].iter().enumerate() {
-            let mut plane = f64x4::splat(v, 0.0);
-            for (j, &wj) in values[1][..reach[1]].iter().enumerate() {
-                let start = ((first[0] + i) * shape[1] + first[1] + j) * shape[2] + first[2];
-                let row = &lattice.padded[start..start + reach[2]];
-                let mut line = f64x4::splat(v, 0.0);
-                for (d, &wk) in row.iter().zip(&values[2]) {
-                    line += f64x4::simd_from(v, *d) * wk;
+        let mut basis = [[1.0; N]; 3];
+        let mut first = [0; 3];
+        for axis in 0..S::DIM {
+            let place = if solid { axis } else { axis + 1 };
+            let spans = &lattice.spans[axis];
+            let t = local.component(axis);
+            let span = spans.span(t);
+            let u = t - spans.breaks[span];
+            first[place] = span;
+            let rows = &spans.coefficients[span];
+            for n in 0..N {
+                // Horner's scheme, highest power first.
+                let mut value = rows[n][N - 1];
+                for power in (0..N - 1).rev() {
+                    value = rows[n][power] + u * value;
                 }
-                plane += line * wj;
+                basis[place][n] = value;
             }
-            sum += plane * wi;
+        }
+        let start = first[0] * stride + first[1] * line_stride + first[2];
+        let mut sum = zero;
+        for i in 0..if solid { N } else { 1 } {
+            let mut plane = zero;
+            for j in 0..N {
+                let from = start + i * stride + j * line_stride;
+                let Some(row) = lattice.padded.get(from..from + N) else {
+                    continue;
+                };
+                let mut line = zero;
+                for k in 0..N {
+                    line += f64x4::simd_from(v, row[k]) * f64x4::splat(v, basis[2][k]);
+                }
+                plane += line * f64x4::splat(v, basis[1][j]);
+            }
+            sum += plane * f64x4::splat(v, basis[0][i]);
         }
         let sum: [f64; 4] = sum.into();
-        *point += S::from_fn(|axis| sum[axis]);
+        *point = point.moved_by(S::from_fn(|axis| sum[axis]));
     }
 }

@@ -11,7 +11,7 @@ use super::grid::face_smoothness;
 use super::{Grid, LatticeError};
 use anamorph_core::{
     Address, Affine, Condition, Deformation, Facts, Influences, Linear, Mark, Role, Scaling, Shape,
-    Site, Smoothness, Space, Support, Transformation, Unmapped, Warp,
+    Site, Smoothness, Space, Transformation, Unmapped, Warp,
 };
 use anamorph_fields::basis;
 
@@ -117,7 +117,7 @@ impl<S: Space> FrameLattice<S> {
         let strength_blends = moved
             .clone()
             .all(|t| t.is_translation() || t.scaling() == Scaling::Displacement);
-        let support = Support::Box(self.grid.bounds());
+        let support = self.grid.support();
         Facts {
             support,
             edge,
@@ -187,7 +187,7 @@ impl<S: Space> Deformation<S> for FrameLattice<S> {
             moved += (linear.apply(site.point) + *translation)
                 * (basis[0][i] * basis[1][j] * basis[2][k]);
         }
-        site.point + moved
+        site.point.moved_by(moved)
     }
 
     fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {

@@ -1,7 +1,10 @@
 //! The box of a lattice and its local coordinates, shared by all lattice warps.
+//!
+//! *Source*: T. W. Sederberg and S. R. Parry, *Free-Form Deformation of Solid Geometric Models*, SIGGRAPH 1986 (local
+//! coordinates of a parallelepiped); errata F3 (the closed box and its faces).
 
 use anamorph_core::simd::{self, Simd, f64x8, mask64x8, prelude::*};
-use anamorph_core::{Bounds, Linear, Mark, Role, Shape, Site, Smoothness, Space};
+use anamorph_core::{Bounds, Linear, Mark, Role, Shape, Site, Smoothness, Space, Support};
 
 /// A local coordinate this far outside [0, 1] still counts as on the face: it absorbs the rounding of the change of
 /// coordinates when a model touches its lattice box.
@@ -141,13 +144,18 @@ impl<S: Space> Grid<S> {
     }
 
     /// Local coordinates of a point, clamped to the closed box, or `None` outside it.
+    #[inline]
     pub fn local(&self, p: S) -> Option<S> {
         let t = self.to_local.apply(p - self.origin);
-        let inside = (0..S::DIM).all(|i| {
-            let t = t.component(i);
-            (-FACE_TOLERANCE..=1.0 + FACE_TOLERANCE).contains(&t)
-        });
-        inside.then(|| S::from_fn(|i| t.component(i).clamp(0.0, 1.0)))
+        let mut clamped = [0.0; 3];
+        for (axis, clamped) in clamped.iter_mut().enumerate().take(S::DIM) {
+            let t = t.component(axis);
+            if !(-FACE_TOLERANCE..=1.0 + FACE_TOLERANCE).contains(&t) {
+                return None;
+            }
+            *clamped = t.clamp(0.0, 1.0);
+        }
+        Some(S::from_fn(|axis| clamped[axis]))
     }
 
     /// Local coordinates of eight points, clamped, and which of them are inside; the same operations as
@@ -159,27 +167,26 @@ impl<S: Space> Grid<S> {
         block: &simd::Block<V>,
     ) -> ([f64x8<V>; 3], mask64x8<V>) {
         let zero = simd::splat(v, 0.0);
-        let q: [f64x8<V>; 3] =
-            core::array::from_fn(|axis| block[axis] - simd::splat(v, self.origin.component(axis)));
-        let mut inside = zero.simd_ge(zero);
+        let one = simd::splat(v, 1.0);
         let (low, high) = (
             simd::splat(v, -FACE_TOLERANCE),
             simd::splat(v, 1.0 + FACE_TOLERANCE),
         );
-        let local = core::array::from_fn(|row| {
-            if row >= S::DIM {
-                return zero;
-            }
-            let entry = |column| simd::splat(v, self.to_local.entry(row, column));
-            let mut t = entry(0) * q[0] + entry(1) * q[1];
-            if S::DIM == 3 {
-                t += entry(2) * q[2];
+        let mut q = [zero; 3];
+        for axis in 0..S::DIM {
+            q[axis] = block[axis] - simd::splat(v, self.origin.component(axis));
+        }
+        let mut inside = zero.simd_ge(zero);
+        let mut local = [zero; 3];
+        for (row, local) in local.iter_mut().enumerate().take(S::DIM) {
+            let mut t = simd::splat(v, self.to_local.entry(row, 0)) * q[0];
+            for (column, q) in q.iter().enumerate().take(S::DIM).skip(1) {
+                t += simd::splat(v, self.to_local.entry(row, column)) * *q;
             }
             inside = inside & t.simd_ge(low) & t.simd_le(high);
             let t = t.simd_lt(zero).select(zero, t);
-            let one = simd::splat(v, 1.0);
-            t.simd_gt(one).select(one, t)
-        });
+            *local = t.simd_gt(one).select(one, t);
+        }
         (local, inside)
     }
 
@@ -196,6 +203,20 @@ impl<S: Space> Grid<S> {
             bounds = bounds.union(Bounds { min: p, max: p });
         }
         bounds
+    }
+
+    /// Where a lattice can move points: the bounds of the box, grown by the tolerance of its faces and by rounding.
+    pub(crate) fn support(&self) -> Support<S> {
+        let bounds = self.bounds();
+        let corner = bounds.min.largest().max(bounds.max.largest());
+        let rim = S::from_fn(|axis| {
+            let edges: f64 = (0..S::DIM).map(|i| self.edges.entry(axis, i).abs()).sum();
+            2.0 * FACE_TOLERANCE * edges + 4.0 * f64::EPSILON * corner
+        });
+        Support::Box(Bounds {
+            min: bounds.min - rim,
+            max: bounds.max + rim,
+        })
     }
 
     /// Derivative of the local coordinates by the point, transposed: column `i` is the gradient of coordinate `i`.

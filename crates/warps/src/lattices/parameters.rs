@@ -1,4 +1,6 @@
 //! How recipes describe lattices and edits of their control points.
+//!
+//! *Source*: Milliron et al. 2002, §4.1 and §5.1; the notation is a decision.
 
 use super::bernstein::BernsteinLattice;
 use super::bspline::{BsplineLattice, Knots};
@@ -521,8 +523,10 @@ pub(crate) fn frame_lattice<S: Rotational>() -> WarpEntry<S> {
                 }
             });
         }
-        let warp =
-            FrameLattice::construct(grid, transformations).map_err(|error| located(&error))?;
+        let warp = FrameLattice::construct(grid, transformations).map_err(|error| match error {
+            LatticeError::NotFinite { .. } => ConstructError::new("frame", error.to_string()),
+            error => located(&error),
+        })?;
         Ok(Built {
             marks: warp.marks(),
             warp: Box::new(warp),

@@ -1,0 +1,238 @@
+//! The worked cases: every operation built, at the tolerance of the case.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use anamorph_catalog::Value;
+use anamorph_core::{
+    Affine, Average, Deformation, Plane, Scaling, Solid, Space, Term, Terms, Transformation,
+    glam::dvec3,
+};
+use anamorph_features::{Frame, FramePair};
+use anamorph_fields::falloffs::Wires;
+use anamorph_fields::{AxisRange, Limit};
+use anamorph_tests::cases::{Case, affine, all, field, matrix, number, numbers, point, rows};
+use anamorph_transforms::{Composed, Rotational};
+use anamorph_warps::barr::{AxisFrame, Course, bend::Bend, taper::Taper};
+use anamorph_warps::features::vortex::Vortex;
+use anamorph_warps::lattices::bernstein::BernsteinLattice;
+use anamorph_warps::lattices::bspline::{BsplineLattice, Knots};
+use anamorph_warps::lattices::{Grid, frames::FrameLattice};
+
+fn scaling(method: &Value) -> Scaling {
+    match method.as_str().unwrap() {
+        "displacement" => Scaling::Displacement,
+        "composition" => Scaling::Composition,
+        other => panic!("{other}"),
+    }
+}
+
+fn transformation<S: Rotational>(
+    affine: Affine<S>,
+    centre: S,
+    scaling: Scaling,
+) -> Box<dyn Transformation<S>> {
+    match scaling {
+        Scaling::Displacement => Box::new(affine),
+        Scaling::Composition => Box::new(Composed::new(affine, centre).unwrap()),
+    }
+}
+
+/// A transformation scaled twice: `t·T`, scaled again by whatever strength is asked for.
+struct Partly<S: Space>(Box<dyn Transformation<S>>, f64);
+impl<S: Space> Transformation<S> for Partly<S> {
+    fn affine(&self) -> Affine<S> {
+        self.0.scaled(self.1)
+    }
+    fn scaled(&self, strength: f64) -> Affine<S> {
+        self.0.scaled(self.1 * strength)
+    }
+    fn scaling(&self) -> Scaling {
+        self.0.scaling()
+    }
+}
+
+/// The weighted average at strength 1, blended with the identity: way 1 of varying a warp over time.
+struct Blended<S: Space>(Terms<S>, f64);
+impl<S: Space> Deformation<S> for Blended<S> {
+    fn map(&self, site: &anamorph_core::Site<S>) -> S {
+        site.point + (self.0.map(site) - site.point) * self.1
+    }
+    fn facts(&self) -> anamorph_core::Facts<S> {
+        self.0.facts()
+    }
+}
+
+/// Terms of the framework cases, their strengths times `strength`, their transformations scaled by `part`.
+fn terms<S: Rotational>(params: &Value, strength: f64, part: f64) -> Terms<S> {
+    let list = params["terms"].as_array().unwrap();
+    let terms = list.iter().map(|term| {
+        let (map, centre) = affine::<S>(term);
+        let whole = transformation(map, centre, scaling(&term["method"]));
+        Term {
+            transformation: Box::new(Partly(whole, part)),
+            strength: field(&term["s"], centre, strength),
+            weight: field(&term["w"], centre, 1.0),
+        }
+    });
+    let terms = Terms::new(terms.collect());
+    match params.get("ambient") {
+        Some(ambient) => terms.with_average(Average::Ambient(number(ambient))),
+        None => terms,
+    }
+}
+
+fn at_time<S: Rotational>(case: &Case) -> usize {
+    let (params, t) = (&case.params, number(&case.params["t"]));
+    match case.params["way"].as_u64().unwrap() {
+        1 => case.check(&Blended::<S>(terms(params, 1.0, 1.0), t)),
+        2 => case.check(&terms::<S>(params, t, 1.0)),
+        // s·(t·T) = (s t)·T: ways 2 and 3 coincide (errata F19).
+        3 => case.check(&terms::<S>(params, t, 1.0)) + case.check(&terms::<S>(params, 1.0, t)),
+        other => panic!("way {other}"),
+    }
+}
+
+fn grid<S: Space>(params: &Value) -> Grid<S> {
+    let axes = rows(&params["axes"]);
+    let shape: Vec<usize> = numbers(&params["shape"])
+        .iter()
+        .map(|&n| n as usize)
+        .collect();
+    let edges = anamorph_core::Linear::from_columns(|i: usize| point::<S>(&axes[i]));
+    Grid::new(point(&numbers(&params["origin"])), edges, &shape).unwrap()
+}
+
+fn displacements<S: Space>(params: &Value) -> Vec<S> {
+    rows(&params["disp"]).iter().map(|row| point(row)).collect()
+}
+
+fn bspline<S: Space>(case: &Case) -> usize {
+    let knots = match case.params["knots"].as_str().unwrap() {
+        "uniform" => Knots::Uniform,
+        "clamped" => Knots::Clamped,
+        other => panic!("{other}"),
+    };
+    let degree = case.params["degree"].as_u64().unwrap() as usize;
+    let lattice = BsplineLattice::construct(
+        grid(&case.params),
+        degree,
+        knots,
+        displacements::<S>(&case.params),
+    );
+    case.check(&lattice.unwrap())
+}
+
+fn lattice_frames<S: Rotational>(case: &Case) -> usize {
+    let frames = case.params["frames"].as_array().unwrap().iter();
+    for scaling in [Scaling::Displacement, Scaling::Composition] {
+        let list = frames.clone().map(|frame| {
+            let (map, centre) = affine::<S>(frame);
+            transformation(map, centre, scaling)
+        });
+        let lattice = FrameLattice::construct(grid(&case.params), list.collect()).unwrap();
+        case.check(&lattice);
+    }
+    case.dimension()
+}
+
+fn frames<S: Rotational>(case: &Case) -> usize {
+    let method = scaling(&case.params["method"]);
+    let list = case.params["features"].as_array().unwrap();
+    let terms = list.iter().map(|feature| {
+        let frame = |key: &str| {
+            let value = &feature[key];
+            let origin = point::<S>(&numbers(&value["O"]));
+            // Basis vectors are the rows of `B`.
+            let basis = matrix::<S>(&value["B"]);
+            Frame::new(origin, anamorph_core::Linear::transposed(&basis)).unwrap()
+        };
+        let pair = FramePair {
+            source: frame("f"),
+            target: frame("fs"),
+        };
+        let centre = pair.source.origin();
+        let hat = |key: &str| {
+            let radius = number(&feature[key]);
+            Box::new(anamorph_fields::Radial::new(centre, radius, Wires).unwrap())
+        };
+        Term {
+            transformation: transformation(pair.affine().unwrap(), centre, method),
+            strength: hat("rs"),
+            weight: hat("rw"),
+        }
+    });
+    case.check(&Terms::new(terms.collect()))
+}
+
+fn barr(case: &Case) -> usize {
+    let params = &case.params;
+    let vector = |key: &str| point::<Solid>(&numbers(&params[key]));
+    let (axis, reference) = (vector("axis"), vector("ref"));
+    match case.op.as_str() {
+        "barr.taper" => {
+            let frame = AxisFrame::new(vector("origin"), axis, Some(reference)).unwrap();
+            let course = Course::Polynomial(numbers(&params["f"]));
+            let taper = Taper::construct(frame, course, None, Scaling::Displacement);
+            case.check(&taper.unwrap())
+        }
+        "barr.bend" => {
+            // The case bends towards the third axis of (ref, axis × ref, axis).
+            let toward = axis.cross(reference);
+            let frame = AxisFrame::new(vector("origin"), axis, Some(toward)).unwrap();
+            let value = |key: &str| number(&params[key]);
+            let range = AxisRange::new(value("zmin"), value("zmax"), Limit::Clamp).unwrap();
+            let (k, centre) = (value("k"), value("z0"));
+            let bend = Bend::construct(frame, k, centre, Some(range), Scaling::Composition);
+            case.check(&bend.unwrap())
+        }
+        other => panic!("{other}"),
+    }
+}
+
+fn vortex(case: &Case) -> usize {
+    let params = &case.params;
+    let vector = |key: &str| {
+        let n = numbers(&params[key]);
+        dvec3(n[0], n[1], n[2])
+    };
+    let warp = Vortex::construct(
+        vector("centre"),
+        vector("axis"),
+        number(&params["angle"]),
+        number(&params["R"]),
+        &Wires,
+        Scaling::Composition,
+    );
+    case.check(&warp.unwrap())
+}
+
+fn run<S: Rotational>(case: &Case) -> usize {
+    match case.op.as_str() {
+        "framework.evaluate" => case.check(&terms::<S>(&case.params, 1.0, 1.0)),
+        "framework.at_time" => at_time::<S>(case),
+        "ffd.bernstein" => {
+            let list = displacements::<S>(&case.params);
+            case.check(&BernsteinLattice::construct(grid(&case.params), list).unwrap())
+        }
+        "ffd.bspline" => bspline::<S>(case),
+        "ffd.frames" => lattice_frames::<S>(case),
+        "frames" => frames::<S>(case),
+        "barr.taper" | "barr.bend" => barr(case),
+        "vortex" => vortex(case),
+        other => panic!("{}: no test computes {other}", case.id),
+    }
+}
+
+#[test]
+fn every_case_is_met() {
+    let cases = all();
+    assert!(cases.len() >= 16, "{}", cases.len());
+    for case in &cases {
+        let compared = match case.dimension() {
+            2 => run::<Plane>(case),
+            3 => run::<Solid>(case),
+            other => panic!("{}: {other} coordinates", case.id),
+        };
+        assert!(compared > 0, "{}", case.id);
+    }
+}

@@ -1,0 +1,398 @@
+//! Hard settings of every registered warp, as recipes write them.
+
+use crate::subjects::Registered;
+use anamorph_core::Scaling;
+use anamorph_fields::falloffs::{FALLOFFS, Falloff};
+
+/// A warp's kind with parameters.
+#[derive(Debug, Clone)]
+pub struct Setting {
+    /// The registered kind.
+    pub kind: &'static str,
+    /// Its parameters as TOML.
+    pub toml: String,
+    /// The scaling method the recipe asks for.
+    pub scaling: Option<Scaling>,
+    /// Whether it is the registry's own example.
+    pub example: bool,
+}
+
+/// Both scaling methods.
+const BOTH: [Option<Scaling>; 2] = [Some(Scaling::Displacement), Some(Scaling::Composition)];
+
+/// Names of the falloffs that end.
+fn compact() -> Vec<&'static str> {
+    let all = FALLOFFS.iter().copied().filter(Falloff::compact);
+    all.map(Falloff::name).collect()
+}
+
+/// Collects settings; text may use `«a;b;c»` for a list with one entry per axis of the space, and `~…~` around what
+/// only space has (such as the axis of a turn).
+struct List<S> {
+    all: Vec<Setting>,
+    space: core::marker::PhantomData<S>,
+}
+
+impl<S: Registered> List<S> {
+    fn text(text: &str) -> String {
+        let mut out = String::new();
+        let mut rest = text;
+        while let Some(at) = rest.find(['«', '~']) {
+            out.push_str(&rest[..at]);
+            if let Some(tail) = rest[at..].strip_prefix('«') {
+                let end = tail.find('»').expect("a closing mark");
+                let entries: Vec<&str> = tail[..end].split(';').take(S::DIM).collect();
+                out.push('[');
+                out.push_str(&entries.join(","));
+                out.push(']');
+                rest = &tail[end + '»'.len_utf8()..];
+            } else {
+                let tail = &rest[at + 1..];
+                let end = tail.find('~').expect("a closing tilde");
+                if S::DIM == 3 {
+                    out.push_str(&tail[..end]);
+                }
+                rest = &tail[end + 1..];
+            }
+        }
+        out.push_str(rest);
+        out
+    }
+
+    fn add(&mut self, kind: &'static str, scalings: &[Option<Scaling>], text: &str) {
+        for &scaling in scalings {
+            self.all.push(Setting {
+                kind,
+                toml: Self::text(text),
+                scaling,
+                example: false,
+            });
+        }
+    }
+}
+
+/// The registry's examples and the hard settings.
+pub fn settings<S: Registered>() -> Vec<Setting> {
+    let mut list = List::<S> {
+        all: Vec::new(),
+        space: core::marker::PhantomData,
+    };
+    for entry in S::registry() {
+        list.all.push(Setting {
+            kind: entry.kind,
+            toml: entry.example.to_owned(),
+            scaling: None,
+            example: true,
+        });
+    }
+    features(&mut list);
+    lattices(&mut list);
+    axes(&mut list);
+    list.all
+}
+
+fn features<S: Registered>(list: &mut List<S>) {
+    // Shepard's method without end, one point pinned.
+    list.add(
+        "points",
+        &[None],
+        r#"point = [{ from = "25%", by = «"10%";"20%";"-5%"» }, { from = "75%" },
+            { from = «"25%";"75%";"50%"», to = "50%" }]"#,
+    );
+    // Two features in one place.
+    list.add(
+        "points",
+        &[None],
+        r#"radius = "60%"
+        point = [{ from = "40%", by = "10%" }, { from = "40%", by = "-20%" }, { from = "70%", by = «"9%";0;0» }]"#,
+    );
+    for falloff in compact() {
+        // Reaches that overlap, end in each other, and one that ends nowhere near.
+        list.add(
+            "points",
+            &[None],
+            &format!(
+                r#"falloff = "{falloff}"
+                point = [{{ from = "30%", by = «"10%";"20%";"-5%"», radius = "25%" }},
+                    {{ from = "60%", by = «"-10%";0;"5%"», radius = "40%" }},
+                    {{ from = «"90%";"10%";"50%"», by = "5%", radius = "10%" }}]"#
+            ),
+        );
+        list.add(
+            "vortex",
+            &BOTH,
+            &format!(
+                r#"centre = «"40%";"55%";"50%"»
+                ~axis = [1, 2, -2]
+                ~angle = "1.3turn"
+                radius = "35%"
+                falloff = "{falloff}""#
+            ),
+        );
+    }
+    // A mirror, a half turn, a shear, a pinned frame; with an end and without.
+    for radius in ["", "radius = \"45%\"\n"] {
+        let mirror = if S::DIM == 2 {
+            "[[-1, 0], [0.2, 1]]"
+        } else {
+            "[[-1, 0, 0], [0.2, 1, 0], [0, 0.3, 1.2]]"
+        };
+        let skew = if S::DIM == 2 {
+            "[[1, 0.5], [-0.3, 2]]"
+        } else {
+            "[[1, 0.5, 0], [-0.3, 2, 0], [0, 1, 1]]"
+        };
+        list.add(
+            "frames",
+            &BOTH,
+            &format!(
+                r#"{radius}
+                frame = [{{ at = "25%", target_axes = {mirror} }},
+                    {{ at = "70%", by = "5%", turn = "180deg"~, axis = [2, -1, 2]~ }},
+                    {{ at = «"80%";"20%";"50%"», axes = {skew}, target_axes = {mirror} }},
+                    {{ at = «"20%";"80%";"40%"» }}]"#
+            ),
+        );
+    }
+    list.add(
+        "frames",
+        &BOTH,
+        r#"frame = [{ at = "50%", by = "3%", turn = "-200deg"~, axis = "x"~, scale = 0.4, radius = "70%",
+            falloff = "smootherstep" }]"#,
+    );
+}
+
+fn lattices<S: Registered>(list: &mut List<S>) {
+    // All sizes alike, mixed, as large as allowed.
+    let mut shapes: Vec<String> = (2..=9).map(|n| format!("«{n};{n};{n}»")).collect();
+    shapes.extend(["«2;5;3»", "«9;2;4»", "«32;3;2»", "«3;12;10»"].map(str::to_owned));
+    for shape in &shapes {
+        list.add(
+            "lattice",
+            &[None],
+            &format!(
+                r#"shape = {shape}
+                move = [{{ index = «"*";-1;"*"», by = «"25%";0;"7%"» }}, {{ index = «0;0;0», to = "10%" }},
+                    {{ index = «[0, 1];"*";-1», turn = "50deg"~, axis = "y"~, scale = 1.3 }}]"#
+            ),
+        );
+    }
+    let skew = r#"box = { origin = «"5%";"-10%";"3%"»,
+        edges = [«"90%";"20%";"5%"», «"-15%";"110%";0»~, [0, "25%", "85%"]~] }"#;
+    let corners = r#"box = { min = "20%", max = "70%" }
+        margin = "5%""#;
+    for place in [skew, corners] {
+        list.add(
+            "lattice",
+            &[None],
+            &format!(
+                r#"shape = «4;4;4»
+                {place}
+                move = [{{ index = «1;2;[1, 2]», by = "30%" }}, {{ index = «-1;"*";"*"», by = «"12%";0;0» }}]"#
+            ),
+        );
+        // Two still planes at every face: C1 across it.
+        list.add(
+            "lattice",
+            &[None],
+            &format!(
+                "shape = «6;5;7»\n{place}\nmove = [{{ index = «[2, 3];2;[2, 3, 4]», by = \"30%\" }}]"
+            ),
+        );
+        for degree in 1..=5 {
+            list.add(
+                "spline-lattice",
+                &[None],
+                &format!(
+                    r#"shape = «8;7;6»
+                    degree = {degree}
+                    knots = "{}"
+                    {place}
+                    move = [{{ index = «"*";-1;"*"», by = «"10%";"3%";0» }}, {{ index = «3;3;3», by = "20%" }}]"#,
+                    if degree % 2 == 0 { "uniform" } else { "clamped" }
+                ),
+            );
+        }
+        list.add(
+            "frame-lattice",
+            &BOTH,
+            &format!(
+                r#"shape = «4;3;5»
+                {place}
+                frame = [{{ index = «1;1;[1, 2]», turn = "100deg"~, axis = [1, 1, 0]~, by = "10%" }},
+                    {{ index = «-1;"*";0», scale = -0.6 }}]"#
+            ),
+        );
+    }
+    for degree in 1..=5 {
+        for knots in ["uniform", "clamped"] {
+            // A smallest lattice, one with a moved middle only, and one with many points.
+            let smallest = degree + 1;
+            for shape in [
+                format!("«{smallest};{};{smallest}»", smallest + 1),
+                "«9;8;7»".to_owned(),
+                "«21;16;9»".to_owned(),
+            ] {
+                list.add(
+                    "spline-lattice",
+                    &[None],
+                    &format!(
+                        r#"shape = {shape}
+                        degree = {degree}
+                        knots = "{knots}"
+                        move = [{{ index = «1;1;-2», by = "15%" }}, {{ index = «-2;"*";[0, 1]», scale = 0.7 }}]"#
+                    ),
+                );
+            }
+        }
+    }
+    list.add(
+        "frame-lattice",
+        &BOTH,
+        r#"shape = «2;7;3»
+        frame = [{ index = «0;3;1», turn = "300deg"~, axis = "z"~ }, { index = «0;3;1», by = "5%", scale = 2 }]"#,
+    );
+}
+
+fn axes<S: Registered>(list: &mut List<S>) {
+    let limits = [
+        "",
+        "range = [\"20%\", \"75%\"]\n",
+        "range = [\"20%\", \"75%\"]\nlimits = \"smooth\"\n",
+        "limits = \"smooth\"\nblend = 0.5\n",
+    ];
+    for limit in limits {
+        let axis = format!("{limit}axis = «1;2;2»\ncentre = «\"45%\";\"50%\";\"60%\"»\n");
+        list.add("taper", &BOTH, &format!("{axis}factor = -0.3"));
+        list.add(
+            "taper",
+            &[None],
+            &format!("{axis}profile = [[0, 1], [0.5, 0.6], [0.8, 1.4], [1, 1]]"),
+        );
+        list.add(
+            "bend",
+            &BOTH,
+            &format!("{axis}toward = «1;0;0»\nangle = \"140deg\""),
+        );
+        list.add(
+            "bend",
+            &[None],
+            &format!("{axis}toward = «-1;0;3»\nangle = \"-400deg\"\npivot = \"60%\""),
+        );
+        list.add(
+            "bend",
+            &[None],
+            &format!("{axis}toward = «0;1;0»\nradius = \"150%\"\npivot = \"-40%\""),
+        );
+        list.add(
+            "axial",
+            &BOTH,
+            &format!(
+                "{axis}across = «1;0;0»\nscale = [[0, 1, 1], [0.4, 1.5, 0.5], [1, 1, 2]]\n\
+                 ~turn = [[0, \"0deg\"], [0.3, \"80deg\"], [1, \"-20deg\"]]\n~\
+                 shift = [[0, 0, 0, 0], [0.5, \"9%\", \"3%\", \"-6%\"], [1, 0, 0, \"4%\"]]"
+            ),
+        );
+        if S::DIM == 3 {
+            list.add(
+                "twist",
+                &BOTH,
+                &format!("{axis}angle = \"500deg\"\nstart = \"-30deg\""),
+            );
+            list.add(
+                "twist",
+                &[None],
+                &format!("{axis}profile = [[0, \"0deg\"], [0.5, \"90deg\"], [1, \"0deg\"]]"),
+            );
+        }
+    }
+    // Polynomials hold everywhere, or to the ends of a range.
+    for range in ["", "range = [\"10%\", \"90%\"]\n"] {
+        list.add(
+            "taper",
+            &BOTH,
+            &format!("{range}axis = \"-y\"\npolynomial = [1, -0.3, 0.05]"),
+        );
+        if S::DIM == 3 {
+            list.add(
+                "twist",
+                &BOTH,
+                &format!("{range}axis = \"x\"\npolynomial = [0.1, 0.8, 0.2, -0.01]"),
+            );
+        }
+    }
+    list.add("taper", &[None], "axis = \"x\"\nprofile = [[0.3, 0.5]]");
+}
+
+/// Pairs of settings with the same source and other targets: a binding of the first serves the second.
+pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
+    let pairs: &[(&'static str, &str, &str, &str)] = &[
+        (
+            "points",
+            "radius = \"50%\"\n",
+            "point = [{ from = \"30%\", by = \"9%\" }, { from = \"60%\", by = \"-9%\" }]",
+            "point = [{ from = \"30%\", to = \"50%\" }, { from = \"60%\" }]",
+        ),
+        (
+            "frames",
+            "",
+            "frame = [{ at = \"30%\", by = \"9%\" }, { at = \"60%\", scale = 2 }]",
+            "frame = [{ at = \"30%\", turn = \"70deg\"~, axis = \"y\"~ }, { at = \"60%\", scale = -1 }]",
+        ),
+        (
+            "vortex",
+            "centre = \"40%\"\nradius = \"40%\"\n~axis = [1, 2, 0]\n~",
+            "angle = \"60deg\"",
+            "angle = \"-1turn\"",
+        ),
+        (
+            "lattice",
+            "shape = «3;4;5»\n",
+            "move = [{ index = «\"*\";-1;0», by = \"20%\" }]",
+            "move = [{ index = «1;0;\"*\"», by = \"-20%\" }]",
+        ),
+        (
+            "spline-lattice",
+            "shape = «5;6;7»\nknots = \"clamped\"\n",
+            "move = [{ index = «\"*\";-1;0», by = \"20%\" }]",
+            "move = [{ index = «1;0;\"*\"», by = \"-20%\" }]",
+        ),
+        (
+            "frame-lattice",
+            "shape = «3;4;3»\n",
+            "frame = [{ index = «\"*\";-1;0», by = \"20%\" }]",
+            "frame = [{ index = «1;0;\"*\"», scale = 0.5 }]",
+        ),
+        ("taper", "axis = «1;2;2»\n", "factor = 0.2", "factor = 2"),
+        (
+            "bend",
+            "axis = «1;2;2»\nlimits = \"smooth\"\n",
+            "toward = «1;0;0»\nangle = \"50deg\"",
+            "toward = «0;1;0»\nradius = \"90%\"",
+        ),
+        (
+            "axial",
+            "axis = «1;2;2»\n",
+            "scale = [[0, 1, 2], [1, 1, 1]]",
+            "shift = [[0, 0, 0, 0], [1, 0, 0, \"5%\"]]",
+        ),
+    ];
+    let solid: &[(&'static str, &str, &str, &str)] = &[(
+        "twist",
+        "axis = «1;2;2»\n",
+        "angle = \"50deg\"",
+        "polynomial = [0, 0.1]",
+    )];
+    let solid = if S::DIM == 3 { solid } else { &[] };
+    let setting = |kind, common: &str, own: &str| Setting {
+        kind,
+        toml: List::<S>::text(&format!("{common}{own}")),
+        scaling: None,
+        example: false,
+    };
+    pairs
+        .iter()
+        .chain(solid)
+        .map(|(kind, common, a, b)| [setting(kind, common, a), setting(kind, common, b)])
+        .collect()
+}
