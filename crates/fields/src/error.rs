@@ -138,7 +138,9 @@ pub enum RangeError {
         max: f64,
     },
     /// The blend does not fit.
-    #[error("the blend width {width} must be greater than 0 and at most {most}, half the range")]
+    #[error(
+        "the blend width {width:?} must be greater than 0 and at most {most:?}, half the range"
+    )]
     BadWidth {
         /// The width given.
         width: f64,

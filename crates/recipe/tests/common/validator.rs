@@ -22,6 +22,7 @@ pub(crate) fn validate(value: &Value, schema: &Value, root: &Value) -> Option<BT
         .filter(|(word, _)| !last.contains(&word.as_str()));
     for (word, rule) in words.chain(last.iter().filter_map(|word| object.get_key_value(*word))) {
         let inner = |rule: &Value| validate(value, rule, root);
+        let inner_of = |item: &Value, rule: &Value| validate(item, rule, root).is_some();
         let ok = match word.as_str() {
             "$ref" => {
                 let pointer = rule.as_str()?.strip_prefix('#')?;
@@ -70,9 +71,21 @@ pub(crate) fn validate(value: &Value, schema: &Value, root: &Value) -> Option<BT
             "unevaluatedProperties" => entries
                 .iter()
                 .all(|(key, item)| evaluated.contains(key) || validate(item, rule, root).is_some()),
-            "items" => value
-                .as_array()
-                .is_none_or(|list| list.iter().all(|item| validate(item, rule, root).is_some())),
+            "prefixItems" => {
+                let rules = rule.as_array()?;
+                let list = value.as_array();
+                list.is_none_or(|list| {
+                    list.iter()
+                        .zip(rules)
+                        .all(|(item, rule)| inner_of(item, rule))
+                })
+            }
+            "items" => {
+                let before = object.get("prefixItems").and_then(Value::as_array);
+                let before = before.map_or(0, Vec::len);
+                let list = value.as_array();
+                list.is_none_or(|list| list.iter().skip(before).all(|item| inner_of(item, rule)))
+            }
             "minItems" => value
                 .as_array()
                 .is_none_or(|list| Some(list.len() as u64) >= rule.as_u64()),

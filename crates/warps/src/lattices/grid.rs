@@ -39,7 +39,9 @@ pub enum LatticeError {
         found: usize,
     },
     /// A displacement or frame that is not finite.
-    #[error("control point {index} moves to a place that is not finite")]
+    #[error(
+        "control point {index} moves to a place that is not finite; move it less, or scale the model down"
+    )]
     NotFinite {
         /// Flat index of the control point.
         index: usize,
