@@ -62,9 +62,9 @@ pub(crate) struct WarpOptions {
     pub preview: Option<PathBuf>,
     #[command(flatten)]
     pub view: ViewOptions,
-    /// Threads to use; as many as the machine has if left out
-    #[arg(long, value_name = "N")]
-    pub threads: Option<std::num::NonZeroUsize>,
+    /// Threads to use, 1 to 1024; as many as the machine has if left out. Results do not depend on it
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    pub threads: Option<usize>,
     /// Leave the normals stored in the file as they are
     #[arg(long)]
     pub keep_normals: bool,
@@ -135,6 +135,17 @@ pub(crate) enum UpAxis {
 pub(crate) enum ThemeName {
     Light,
     Dark,
+}
+
+/// More threads than this only fill memory with their stacks.
+const MOST_THREADS: usize = 1024;
+
+fn parse_threads(text: &str) -> Result<usize, String> {
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|threads| (1..=MOST_THREADS).contains(threads))
+        .ok_or_else(|| format!("write a whole number from 1 to {MOST_THREADS}"))
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {

@@ -2,6 +2,15 @@
 
 use std::process::ExitCode;
 
+/// Prints a line on standard error. Unlike `eprintln!` it does not panic where nobody can read it.
+macro_rules! say {
+    ($($argument:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr().lock(), $($argument)*);
+    }};
+}
+pub(crate) use say;
+
 /// Why a command stopped.
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -29,12 +38,12 @@ impl Failure {
         match self {
             Self::Message(text) => {
                 for line in text.lines() {
-                    eprintln!("error: {line}");
+                    say!("error: {line}");
                 }
             }
             Self::Usage(text) => {
-                eprintln!("error: {text}");
-                eprintln!("see `anamorph --help`");
+                say!("error: {text}");
+                say!("see `anamorph --help`");
             }
             Self::Reported | Self::ClosedPipe => {}
         }

@@ -1,11 +1,10 @@
 //! The preview of a warp: the model before and after, with the features of the warps.
 
 use crate::arguments::{Side, ThemeName, UpAxis, ViewOptions};
-use crate::error::Failure;
 use crate::model::ModelSpace;
 use anamorph_core::{Deformation, Domain, Mark, Role, Shape, Site};
 use anamorph_io::Document;
-use anamorph_preview::{Camera, Model, Options, Panel, Theme, Up, before_after};
+use anamorph_preview::{Camera, Model, Options, Panel, PreviewError, Theme, Up, before_after};
 use anamorph_recipe::BuiltRecipe;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -36,6 +35,11 @@ fn options(view: &ViewOptions) -> Options {
         camera,
         ..Options::default()
     }
+}
+
+/// Refuses a preview that could not be drawn whatever the model.
+pub(crate) fn check(view: &ViewOptions) -> Result<(), PreviewError> {
+    options(view).check()
 }
 
 /// The marks of a recipe: sources as the first warp sees them, targets carried on by the later warps.
@@ -94,7 +98,7 @@ pub(crate) fn preview<S: ModelSpace>(
     after: &[S],
     built: &BuiltRecipe<S>,
     view: &ViewOptions,
-) -> Result<Vec<u8>, Failure> {
+) -> Result<Vec<u8>, PreviewError> {
     let mesh = document.mesh().unwrap_or_default();
     let colours = colours(document);
     let (sources, targets) = marks(built);
@@ -110,11 +114,7 @@ pub(crate) fn preview<S: ModelSpace>(
             None => model,
         }
     };
-    let fail = |error| Failure::new(format!("cannot draw the preview: {error}"));
     let before = Panel::new(model(before)).with_marks(&sources);
     let after = Panel::new(model(after)).with_marks(&targets);
-    before_after(&before, &after, &options(view))
-        .map_err(fail)?
-        .png()
-        .map_err(fail)
+    before_after(&before, &after, &options(view))?.png()
 }

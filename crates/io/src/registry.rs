@@ -21,7 +21,8 @@ pub fn formats() -> &'static [&'static dyn Format] {
 /// whose content one format is certain of is of that format, whatever its name.
 ///
 /// # Errors
-/// [`ReadErrorKind::UnknownFormat`] when neither decides, or [`ReadErrorKind::Encoding`] when the reason is UTF-16.
+/// [`ReadErrorKind::UnknownFormat`] when neither decides, or [`ReadErrorKind::Encoding`] when the reason is UTF-16 and
+/// [`ReadErrorKind::NoPoints`] when there is no content.
 pub fn find(head: &[u8], name: Option<&str>) -> Result<&'static dyn Format, ReadError> {
     let head = &head[..head.len().min(HEAD)];
     let extension = name
@@ -49,6 +50,13 @@ pub fn find(head: &[u8], name: Option<&str>) -> Result<&'static dyn Format, Read
         .flatten()
     {
         return Err(error);
+    }
+    if head.is_empty() {
+        return Err(ReadError::new(
+            ReadErrorKind::NoPoints,
+            "there is nothing in it",
+            "check what was to write it",
+        ));
     }
     let known: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
     Err(ReadError::new(
@@ -116,5 +124,6 @@ mod tests {
             find(b"\xFF\xFEv\0 \0", None).err().unwrap().kind,
             ReadErrorKind::Encoding
         );
+        assert_eq!(find(b"", None).err().unwrap().kind, ReadErrorKind::NoPoints);
     }
 }

@@ -252,3 +252,25 @@ fn random_tables_and_random_damage() {
         }
     }
 }
+
+/// Names used to be compared each with each: this took minutes.
+#[test]
+fn very_many_columns_are_read_in_one_pass() {
+    const COLUMNS: usize = 100_000;
+    let mut text = String::from("x,y");
+    for column in 0..COLUMNS {
+        text.push_str(&format!(",c{column}"));
+    }
+    // Twice the same name: the first one counts.
+    text.push_str(",c7\n1,2");
+    text.push_str(&",3".repeat(COLUMNS - 1));
+    text.push_str(",inf,4\n");
+    let document = read(text.into_bytes(), None, &ReadOptions::default()).unwrap();
+    assert_eq!(document.attributes().len(), COLUMNS);
+    assert_eq!(document.attribute("c7").unwrap(), [3.0]);
+    assert_eq!(document.attribute("c"), None);
+    let problems = document.inspect().problems;
+    assert_eq!(problems.len(), 1);
+    assert_eq!(problems[0].kind, ProblemKind::NonFiniteAttribute);
+    assert_eq!((problems[0].count, problems[0].line), (1, Some(2)));
+}

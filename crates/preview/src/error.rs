@@ -19,7 +19,8 @@ pub enum PreviewError {
     #[error(
         "a picture of {width} × {height} pixels with {samples} × {samples} samples each cannot be made; \
          width and height go from {least} to {most} pixels, samples from 1 to 8, \
-         and width × height × samples² up to {budget}"
+         and at that many samples a picture has at most {} pixels",
+        budget / u64::from(*samples).pow(2).max(1)
     )]
     Size {
         /// Asked width in pixels.

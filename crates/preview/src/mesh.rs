@@ -3,6 +3,8 @@
 //! *Source* of the angle weights: G. Thürmer, C. A. Wüthrich, *Computing vertex normals from polygonal facets*,
 //! Journal of Graphics Tools 3(1), 1998.
 
+use std::collections::HashSet;
+
 use anamorph_core::glam::DVec3;
 
 use crate::panel::{Drawable, Model};
@@ -12,6 +14,10 @@ use crate::view::Frame;
 /// Cosine of the angle between two faces (48°) above which their common edge stays hard. Lower and coarse smooth bodies
 /// show facets; higher and the edges of machined parts smear.
 const CREASE_COSINE: f64 = 0.669;
+
+/// Triangles a point above which repeated triangles are looked for and left out: each would be drawn into every depth map
+/// of every light, for nothing.
+const REPEATS: usize = 8;
 
 /// A model in the frame.
 #[derive(Debug, Default)]
@@ -83,7 +89,7 @@ impl Mesh {
                 .get(index as usize)
                 .is_some_and(|point| point.is_finite())
         };
-        let triangles: Vec<[u32; 3]> = model
+        let mut triangles: Vec<[u32; 3]> = model
             .triangles
             .iter()
             .copied()
@@ -94,6 +100,20 @@ impl Mesh {
                 }
             })
             .collect();
+        if triangles.len() > REPEATS * points.len() {
+            // A surface has about two triangles a point; here many lie on one another.
+            let mut seen = HashSet::new();
+            triangles.retain(|&[a, b, c]| {
+                let least = a.min(b).min(c);
+                seen.insert(if least == a {
+                    [a, b, c]
+                } else if least == b {
+                    [b, c, a]
+                } else {
+                    [c, a, b]
+                })
+            });
+        }
         let lines: Vec<[u32; 2]> = model
             .lines
             .iter()
@@ -325,6 +345,16 @@ mod tests {
             DVec3::new(0.5, angle.cos(), angle.sin()),
         ];
         mesh(&points, &[[0, 2, 1], [0, 1, 3]])
+    }
+
+    #[test]
+    fn triangles_that_repeat_are_drawn_once() {
+        let points = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let many = [[0, 1, 2], [1, 2, 0], [2, 1, 0], [0, 2, 1]].repeat(100);
+        // The other side of a triangle is another one.
+        assert_eq!(mesh(&points, &many).triangles, [[0, 1, 2], [2, 1, 0]]);
+        let few = [[0, 1, 2]; 5];
+        assert_eq!(mesh(&points, &few).triangles.len(), 5);
     }
 
     #[test]

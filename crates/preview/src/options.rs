@@ -158,7 +158,12 @@ impl Default for Options {
 }
 
 impl Options {
-    pub(crate) fn check(&self) -> Result<(), PreviewError> {
+    /// Whether a picture can be taken so; every drawing function begins with it.
+    ///
+    /// # Errors
+    ///
+    /// [`PreviewError::Size`] and [`PreviewError::Camera`].
+    pub fn check(&self) -> Result<(), PreviewError> {
         let sides = LEAST_SIDE..=MOST_SIDE;
         let total = u64::from(self.width)
             .saturating_mul(u64::from(self.height))

@@ -10,6 +10,7 @@ use anamorph_catalog::WarpEntry;
 use anamorph_catalog::schemars::SchemaGenerator;
 use anamorph_core::Space;
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
 /// Keys of the recipe itself. Editors write `$schema` into JSON.
 const ROOT_KEYS: [&str; 5] = ["version", "warp", "name", "description", "$schema"];
@@ -28,8 +29,9 @@ impl Recipe {
         let mut problems = Vec::new();
         problems.extend(self.version_problem());
         self.check_root(&mut problems);
+        let mut schemas = Schemas::new(registry);
         for (i, table) in self.warp_tables(&mut problems) {
-            self.check_warp(i, table, registry, &mut problems);
+            self.check_warp(i, table, registry, &mut schemas, &mut problems);
         }
         RecipeError::of(&self.source.name, problems).map_or(Ok(()), Err)
     }
@@ -151,17 +153,19 @@ impl Recipe {
         i: usize,
         table: &Map<String, Value>,
         registry: &Registry<S>,
+        schemas: &mut Schemas<'_, S>,
         problems: &mut Vec<Problem>,
     ) {
         let path = format!("warp.{i}");
-        let mut generator = SchemaGenerator::default();
         let entry = self.entry(&path, table, registry);
         let entry = entry.map_err(|problem| problems.push(problem)).ok();
-        let schema = entry.map(|entry| Value::from((entry.schema)(&mut generator)));
-        let field = Value::from((registry.field.schema)(&mut generator));
-        let definitions = generator.take_definitions(true);
-        let mut walk = Walk::new(&definitions);
-        if let Some(schema) = &schema {
+        let Schema {
+            warp,
+            field,
+            definitions,
+        } = schemas.of(entry);
+        let mut walk = Walk::new(definitions);
+        if let Some(schema) = warp {
             let parameters = Value::Object(parameters(table));
             let mut also = vec!["kind"];
             also.extend(COMMON_KEYS);
@@ -169,7 +173,7 @@ impl Recipe {
         }
         for key in ["strength", "weight", "mask"] {
             if let Some(expression) = table.get(key) {
-                walk.compare(expression, &field, &join(&path, key), &[]);
+                walk.compare(expression, field, &join(&path, key), &[]);
             }
         }
         for unknown in walk.unknown {
@@ -254,6 +258,43 @@ impl Recipe {
         };
         let hint = format!("{meant}`anamorph list warps` names them all");
         Err(self.problem(&at, Part::Value, message, shown(&hint, 300)))
+    }
+}
+
+/// The schemas that a warp's table is held against.
+struct Schema {
+    /// Of its parameters; `None` for a kind that is not known.
+    warp: Option<Value>,
+    field: Value,
+    definitions: Map<String, Value>,
+}
+
+/// The schemas of the kinds met so far: a recipe may name one kind thousands of times.
+struct Schemas<'a, S: Space> {
+    registry: &'a Registry<S>,
+    known: BTreeMap<Option<&'static str>, Schema>,
+}
+
+impl<'a, S: Space> Schemas<'a, S> {
+    fn new(registry: &'a Registry<S>) -> Self {
+        Self {
+            registry,
+            known: BTreeMap::new(),
+        }
+    }
+
+    fn of(&mut self, entry: Option<&WarpEntry<S>>) -> &Schema {
+        let field = self.registry.field.schema;
+        self.known
+            .entry(entry.map(|entry| entry.kind))
+            .or_insert_with(|| {
+                let mut generator = SchemaGenerator::default();
+                Schema {
+                    warp: entry.map(|entry| Value::from((entry.schema)(&mut generator))),
+                    field: Value::from(field(&mut generator)),
+                    definitions: generator.take_definitions(true),
+                }
+            })
     }
 }
 

@@ -18,13 +18,17 @@ pub(crate) struct Source {
     pub(crate) name: String,
     pub(crate) text: String,
     pub(crate) syntax: Syntax,
+    /// Where the lines but the first begin.
+    lines: Vec<usize>,
 }
 
 impl Source {
     pub(crate) fn new(name: &str, text: &str, syntax: Syntax) -> Self {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text).to_owned();
         Self {
             name: name.to_owned(),
-            text: text.strip_prefix('\u{feff}').unwrap_or(text).to_owned(),
+            lines: text.match_indices('\n').map(|(at, _)| at + 1).collect(),
+            text,
             syntax,
         }
     }
@@ -33,16 +37,13 @@ impl Source {
     /// "the file ends here" names a line that can be seen.
     pub(crate) fn place(&self, offset: usize) -> Place {
         let end = self.text.trim_end().len();
-        let before = self.text.as_bytes();
-        let before = &before[..offset.min(end)];
-        let start = before
-            .iter()
-            .rposition(|&b| b == b'\n')
-            .map_or(0, |newline| newline + 1);
+        let offset = offset.min(end);
+        let line = self.lines.partition_point(|&start| start <= offset);
+        let start = line.checked_sub(1).map_or(0, |last| self.lines[last]);
         Place::File {
-            line: 1 + before.iter().filter(|&&b| b == b'\n').count(),
+            line: 1 + line,
             // Every byte but the continuation bytes of UTF-8 begins a character.
-            column: 1 + before[start..]
+            column: 1 + self.text.as_bytes()[start..offset]
                 .iter()
                 .filter(|&&b| b & 0xC0 != 0x80)
                 .count(),

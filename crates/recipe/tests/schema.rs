@@ -4,113 +4,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
+#[path = "common/validator.rs"]
+mod validator;
 
 use anamorph_core::{Plane, Solid, Space};
 use anamorph_recipe::{COMMON_KEYS, Recipe, Registry, schema};
 use common::{build, registry};
-use serde_json::{Map, Value, json};
-use std::collections::BTreeSet;
-
-/// Validates and returns the keys of `value` that were evaluated; `None` if it is not valid.
-fn validate(value: &Value, schema: &Value, root: &Value) -> Option<BTreeSet<String>> {
-    let object = match schema {
-        Value::Bool(valid) => return valid.then(BTreeSet::new),
-        other => other
-            .as_object()
-            .expect("a schema is a table or a truth value"),
-    };
-    let mut evaluated = BTreeSet::new();
-    let table = value.as_object();
-    let empty = Map::new();
-    let entries = table.unwrap_or(&empty);
-    // Words that say more about others come last.
-    let last = ["additionalProperties", "unevaluatedProperties"];
-    let words = object
-        .iter()
-        .filter(|(word, _)| !last.contains(&word.as_str()));
-    for (word, rule) in words.chain(last.iter().filter_map(|word| object.get_key_value(*word))) {
-        let inner = |rule: &Value| validate(value, rule, root);
-        let ok = match word.as_str() {
-            "$ref" => {
-                let pointer = rule.as_str()?.strip_prefix('#')?;
-                let keys = inner(root.pointer(pointer).expect("a reference leads somewhere"))?;
-                evaluated.extend(keys);
-                true
-            }
-            "type" => {
-                let is = |name: &Value| match name.as_str() {
-                    Some("object") => value.is_object(),
-                    Some("array") => value.is_array(),
-                    Some("string") => value.is_string(),
-                    Some("number") => value.is_number(),
-                    Some("integer") => value.as_f64().is_some_and(|n| n.fract() == 0.0),
-                    Some("boolean") => value.is_boolean(),
-                    Some("null") => value.is_null(),
-                    other => panic!("unknown type {other:?}"),
-                };
-                rule.as_array()
-                    .map_or_else(|| is(rule), |names| names.iter().any(is))
-            }
-            "const" => value == rule || value.as_f64().is_some_and(|n| rule.as_f64() == Some(n)),
-            "enum" => rule.as_array()?.contains(value),
-            "required" => rule.as_array()?.iter().all(|key| {
-                table.is_none_or(|table| table.contains_key(key.as_str().unwrap_or("")))
-            }),
-            "properties" => rule.as_object()?.iter().all(|(key, rule)| {
-                let Some(item) = entries.get(key) else {
-                    return true;
-                };
-                evaluated.insert(key.clone());
-                validate(item, rule, root).is_some()
-            }),
-            "additionalProperties" => {
-                let own = object.get("properties").and_then(Value::as_object);
-                let others = entries
-                    .iter()
-                    .filter(|(key, _)| !own.is_some_and(|own| own.contains_key(*key)));
-                others.clone().for_each(|(key, _)| {
-                    evaluated.insert(key.clone());
-                });
-                others
-                    .map(|(_, item)| item)
-                    .all(|item| validate(item, rule, root).is_some())
-            }
-            "unevaluatedProperties" => entries
-                .iter()
-                .all(|(key, item)| evaluated.contains(key) || validate(item, rule, root).is_some()),
-            "items" => value
-                .as_array()
-                .is_none_or(|list| list.iter().all(|item| validate(item, rule, root).is_some())),
-            "minItems" => value
-                .as_array()
-                .is_none_or(|list| Some(list.len() as u64) >= rule.as_u64()),
-            "maxItems" => value
-                .as_array()
-                .is_none_or(|list| Some(list.len() as u64) <= rule.as_u64()),
-            "minimum" => value.as_f64().is_none_or(|n| Some(n) >= rule.as_f64()),
-            "exclusiveMinimum" => value.as_f64().is_none_or(|n| Some(n) > rule.as_f64()),
-            "allOf" | "anyOf" | "oneOf" => {
-                let list = rule.as_array()?;
-                let valid: Vec<_> = list.iter().filter_map(inner).collect();
-                let count = valid.len();
-                evaluated.extend(valid.into_iter().flatten());
-                match word.as_str() {
-                    "allOf" => count == list.len(),
-                    "anyOf" => count > 0,
-                    _ => count == 1,
-                }
-            }
-            "title" | "description" | "default" | "$schema" | "$defs" | "format" | "pattern" => {
-                true
-            }
-            other => panic!("this validator does not know {other}"),
-        };
-        if !ok {
-            return None;
-        }
-    }
-    Some(evaluated)
-}
+use serde_json::{Value, json};
+use validator::validate;
 
 fn whole() -> Value {
     schema(&registry::<Plane>(), &registry::<Solid>())

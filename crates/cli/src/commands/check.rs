@@ -84,6 +84,7 @@ fn stand_in<S: ModelSpace>() -> Vec<S> {
 }
 
 pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
+    files::at_most_one_stream(options.recipes.iter().chain(&options.model))?;
     let document = match &options.model {
         Some(path) => Some(read(path, &ReadOptions::default())?),
         None => None,

@@ -44,44 +44,54 @@ fn to_text(name: &str, inspection: &Inspection) -> String {
             .collect::<Vec<_>>()
             .join(", ")
     };
-    let mut text = format!(
-        "{name}\n  format      {}, {}-D\n",
-        inspection.format, inspection.dimension
-    );
+    let mut rows = vec![(
+        "format",
+        format!("{}, {}-D", inspection.format, inspection.dimension),
+    )];
     for (what, count) in &inspection.counts {
-        text.push_str(&format!("  {what:<11} {count}\n"));
+        rows.push((what, count.to_string()));
     }
     if let Some((min, max)) = &inspection.bounds {
-        text.push_str(&format!(
-            "  bounds      ({}) to ({})\n",
-            numbers(min),
-            numbers(max)
+        rows.push((
+            "bounds",
+            format!("({}) to ({})", numbers(min), numbers(max)),
         ));
     }
     if !inspection.attributes.is_empty() {
-        text.push_str(&format!(
-            "  attributes  {}\n",
-            inspection.attributes.join(", ")
-        ));
+        rows.push(("attributes", listed(&inspection.attributes)));
     }
     if inspection.problems.is_empty() {
-        text.push_str("  problems    none\n");
+        rows.push(("problems", "none".to_owned()));
     }
     for problem in &inspection.problems {
         let line = problem
             .line
             .map_or(String::new(), |line| format!(" (line {line})"));
-        text.push_str(&format!(
-            "  problem     {}: {}, first {}{line}\n",
-            problem.kind.title(),
-            problem.count,
-            problem.first
+        let title = problem.kind.title();
+        rows.push((
+            "problem",
+            format!("{title}: {}, first {}{line}", problem.count, problem.first),
         ));
     }
-    text
+    let width = rows.iter().map(|(what, _)| what.len()).max().unwrap_or(0);
+    let lines = rows
+        .iter()
+        .map(|(what, value)| format!("  {what:width$}  {value}\n"));
+    format!("{name}\n{}", lines.collect::<String>())
+}
+
+/// Attributes that a line names.
+const MOST_NAMES: usize = 20;
+
+fn listed(names: &[String]) -> String {
+    match names.get(MOST_NAMES..) {
+        None | Some([]) => names.join(", "),
+        Some(more) => format!("{} and {} more", names[..MOST_NAMES].join(", "), more.len()),
+    }
 }
 
 pub(crate) fn run(options: &InspectOptions) -> Result<(), Failure> {
+    files::at_most_one_stream(&options.files)?;
     let mut out = std::io::stdout().lock();
     let (mut failed, mut all) = (false, Vec::new());
     for path in &options.files {

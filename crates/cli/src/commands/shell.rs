@@ -17,11 +17,16 @@ pub(crate) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
 /// One page for the command and one section a subcommand, in one document.
 pub(crate) fn man() -> Result<(), Failure> {
     let mut text = Vec::new();
-    let command = Arguments::command();
+    let mut command = Arguments::command();
+    // Gives subcommands their full names.
+    command.build();
     clap_mangen::Man::new(command.clone())
         .render(&mut text)
         .map_err(Failure::new)?;
-    for sub in command.get_subcommands() {
+    for sub in command
+        .get_subcommands()
+        .filter(|sub| sub.get_name() != "help")
+    {
         let page = clap_mangen::Man::new(sub.clone()).title(format!("anamorph-{}", sub.get_name()));
         page.render(&mut text).map_err(Failure::new)?;
     }

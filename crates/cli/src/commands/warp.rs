@@ -2,7 +2,7 @@
 
 use super::promises::{promises, to_json};
 use crate::arguments::WarpOptions;
-use crate::error::Failure;
+use crate::error::{Failure, say};
 use crate::files::{self, Pending};
 use crate::model::{self, ModelSpace};
 use crate::picture;
@@ -13,6 +13,7 @@ use anamorph_core::{
 use anamorph_io::{Document, Moved, Normals, Points, ReadOptions, WriteReport};
 use anamorph_recipe::{BuiltRecipe, Recipe};
 use serde_json::{Value, json};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// Where the results of one model go.
@@ -25,46 +26,33 @@ struct Job {
 
 /// Whether a destination means a folder: it ends in a separator, or is one.
 fn is_folder(path: &Path) -> bool {
-    path.as_os_str()
-        .to_string_lossy()
-        .ends_with(['/', std::path::MAIN_SEPARATOR])
-        || path.is_dir()
+    !files::is_stream(path)
+        && (path
+            .as_os_str()
+            .to_string_lossy()
+            .ends_with(['/', std::path::MAIN_SEPARATOR])
+            || path.is_dir())
 }
 
 /// One job a model; refuses arguments that do not fit together before anything is read.
 fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
     let several = options.models.len() > 1;
-    let streams = options
-        .models
-        .iter()
-        .chain([&options.recipe])
-        .filter(|path| files::is_stream(path))
-        .count();
-    if streams > 1 {
-        return Err(Failure::usage(
-            "standard input can be read only once; name files for the others",
-        ));
-    }
+    files::at_most_one_stream(options.models.iter().chain([&options.recipe]))?;
     for (what, path) in [
         ("--output", Some(&options.output)),
         ("--preview", options.preview.as_ref()),
+        ("--report", options.report.as_ref()),
     ] {
         if let Some(path) = path.filter(|path| several && !is_folder(path)) {
+            let instead = if files::is_stream(path) {
+                "name one, ending in `/`".to_owned()
+            } else {
+                format!("write `{}/`", path.display())
+            };
             return Err(Failure::usage(format!(
-                "several models need a folder for {what}: write `{}/`",
-                path.display()
+                "several models need a folder for {what}: {instead}"
             )));
         }
-    }
-    if several
-        && options
-            .report
-            .as_deref()
-            .is_some_and(|path| !is_folder(path))
-    {
-        return Err(Failure::usage(
-            "several models need a folder for --report: write it with a `/` at its end",
-        ));
     }
     let outputs = [options.report.as_deref(), options.preview.as_deref()];
     if outputs.iter().flatten().any(|path| files::is_stream(path)) {
@@ -107,56 +95,99 @@ fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
             })
         })
         .collect::<Result<_, Failure>>()?;
-    let mut seen = std::collections::HashSet::new();
-    for job in &jobs {
-        for path in [Some(&job.output), job.report.as_ref(), job.preview.as_ref()]
-            .into_iter()
-            .flatten()
-        {
-            if !files::is_stream(path) && !seen.insert(path.clone()) {
+    refuse_collisions(&jobs, options)?;
+    Ok(jobs)
+}
+
+/// Refuses two results in one place, and results in the place of an input; but a model may replace itself.
+fn refuse_collisions(jobs: &[Job], options: &WarpOptions) -> Result<(), Failure> {
+    let known = |path: &Path| (!files::is_stream(path)).then(|| files::identity(path));
+    let recipe = known(&options.recipe);
+    let models: HashSet<PathBuf> = jobs.iter().filter_map(|job| known(&job.model)).collect();
+    let mut results = HashSet::new();
+    for job in jobs {
+        for (path, is_model) in job.results() {
+            if files::is_immediate(path) {
+                continue;
+            }
+            let Some(identity) = known(path) else {
+                continue;
+            };
+            let shown = path.display();
+            if recipe.as_ref() == Some(&identity) {
                 return Err(Failure::usage(format!(
-                    "two results would be written to {}",
-                    path.display()
+                    "{shown}: a result would replace the recipe; choose another name"
+                )));
+            }
+            if !is_model && models.contains(&identity) {
+                return Err(Failure::usage(format!(
+                    "{shown}: a report or preview would replace a model; choose another name"
+                )));
+            }
+            if !results.insert(identity) {
+                return Err(Failure::usage(format!(
+                    "{shown}: two results would be written there; choose another name or folder"
                 )));
             }
         }
     }
-    Ok(jobs)
+    Ok(())
+}
+
+impl Job {
+    /// Where its results go, and which of them is the model.
+    fn results(&self) -> impl Iterator<Item = (&PathBuf, bool)> {
+        let model = [(&self.output, true)];
+        let others = [self.report.as_ref(), self.preview.as_ref()];
+        model
+            .into_iter()
+            .chain(others.into_iter().flatten().map(|path| (path, false)))
+    }
 }
 
 pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     let jobs = jobs(options)?;
-    let recipe = model::read_recipe(&options.recipe, &options.set)?;
-    for path in [
-        Some(&options.output),
-        options.report.as_ref(),
-        options.preview.as_ref(),
-    ]
-    .into_iter()
-    .flatten()
-    {
-        if is_folder(path) && !path.is_dir() {
-            std::fs::create_dir_all(path).map_err(|error| {
-                Failure::new(format!(
-                    "{}: cannot make the folder: {error}",
-                    path.display()
-                ))
-            })?;
-        }
+    if options.preview.is_some() {
+        picture::check(&options.view)
+            .map_err(|error| Failure::usage(format!("--size: {error}")))?;
     }
+    let recipe = model::read_recipe(&options.recipe, &options.set)?;
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = options.threads {
-        pool = pool.num_threads(threads.get());
+        pool = pool.num_threads(threads);
     }
     let pool = pool
         .build()
         .map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
-    let single = jobs.len() == 1;
+    let mut made = Vec::new();
+    let result = pool.install(|| warp_all(&jobs, &recipe, options, &mut made));
+    files::remove_empty(&made);
+    result
+}
+
+/// All jobs, one after the other; one that fails does not keep the others from being done. Adds the folders it makes to
+/// `made`.
+fn warp_all(
+    jobs: &[Job],
+    recipe: &Recipe,
+    options: &WarpOptions,
+    made: &mut Vec<PathBuf>,
+) -> Result<(), Failure> {
+    let folders = [
+        Some(&options.output),
+        options.report.as_ref(),
+        options.preview.as_ref(),
+    ];
+    for path in folders.into_iter().flatten() {
+        if is_folder(path) && !path.is_dir() {
+            made.extend(files::make_folder(path)?);
+        }
+    }
     let mut failed = false;
-    for job in &jobs {
-        match pool.install(|| warp_one(job, &recipe, options)) {
+    for job in jobs {
+        match warp_one(job, recipe, options) {
             Ok(()) => {}
-            Err(failure) if single => return Err(failure),
+            Err(failure) if jobs.len() == 1 => return Err(failure),
             Err(failure) => {
                 failure.print();
                 failed = true;
@@ -171,10 +202,7 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
 }
 
 fn warp_one(job: &Job, recipe: &Recipe, options: &WarpOptions) -> Result<(), Failure> {
-    for path in [Some(&job.output), job.report.as_ref(), job.preview.as_ref()]
-        .into_iter()
-        .flatten()
-    {
+    for (path, _) in job.results() {
         files::refuse_existing(path, options.force)?;
     }
     let read_options = ReadOptions::default().allow_nonfinite(options.allow_nonfinite);
@@ -215,10 +243,22 @@ fn warp_document<S: ModelSpace>(
         )));
     }
 
-    let policy = normals_policy(document, &stack, options);
+    // All files are begun before any is written, and the model comes last but for its report: what goes to standard output
+    // cannot be taken back.
+    let begin = |path: &PathBuf| Pending::create(path, options.force);
+    let mut model_file = begin(&job.output)?;
+    let mut report_file = job.report.as_ref().map(begin).transpose()?;
+    let mut preview_file = job.preview.as_ref().map(begin).transpose()?;
+    if let Some(file) = &mut preview_file {
+        let png = picture::preview(document, rest, &moved, &built, &options.view)
+            .map_err(|error| Failure::new(format!("{name}: cannot draw the preview: {error}")))?;
+        file.fill(|out| out.write_all(&png))?;
+    }
+    let policy = normals_policy(document, &built, options);
     let mut report = WriteReport::default();
-    let model_file = Pending::write(&job.output, |out| {
-        let solid = S::points(document.points()).map(|_| ()).is_some() && S::DIM == 3;
+    let mut refused = None;
+    let written = model_file.fill(|out| {
+        let solid = S::DIM == 3;
         let carry = |vertex: usize, normal: Solid| carried(&stack, document, size, vertex, normal);
         let normals = match policy {
             NormalsPolicy::Carried if solid => Normals::Transform(&carry),
@@ -229,35 +269,29 @@ fn warp_document<S: ModelSpace>(
             points: S::wrap(&moved),
             normals,
         };
-        report = document.write(&wrapped, out).map_err(|error| match error {
-            anamorph_io::WriteError::Output(error) if files::is_stream(&job.output) => {
-                crate::error::output(&error)
-            }
-            error => Failure::new(format!("{}: {error}", job.output.display())),
-        })?;
+        match document.write(&wrapped, out) {
+            Ok(done) => report = done,
+            Err(anamorph_io::WriteError::Output(error)) => return Err(error),
+            Err(error) => refused = Some(Failure::new(format!("{name}: {error}"))),
+        }
         Ok(())
-    })?;
-    let mut pending = vec![model_file];
-    if let Some(path) = &job.preview {
-        let png = picture::preview(document, rest, &moved, &built, &options.view)?;
-        pending.push(Pending::write(path, |out| {
-            out.write_all(&png)
-                .map_err(|error| Failure::new(format!("{}: {error}", path.display())))
-        })?);
+    });
+    if let Some(failure) = refused {
+        return Err(failure);
     }
-    if let Some(path) = &job.report {
+    written?;
+    if let Some(file) = &mut report_file {
         let value = report_json(
             job, options, document, &built, rest, &moved, &report, policy, size,
         );
         let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
-        pending.push(Pending::write(path, |out| {
-            writeln!(out, "{text}")
-                .map_err(|error| Failure::new(format!("{}: {error}", path.display())))
-        })?);
+        file.fill(|out| writeln!(out, "{text}"))?;
     }
-    for file in pending {
-        file.keep()?;
-    }
+    files::keep_all(
+        [preview_file, report_file, Some(model_file)]
+            .into_iter()
+            .flatten(),
+    )?;
     if !options.quiet {
         summary(job, &built, rest.len(), &report, policy);
     }
@@ -286,14 +320,14 @@ impl NormalsPolicy {
 
 fn normals_policy<S: Space>(
     document: &dyn Document,
-    stack: &anamorph_core::Stack<S>,
+    built: &BuiltRecipe<S>,
     options: &WarpOptions,
 ) -> NormalsPolicy {
     if document.normals() == 0 {
         NormalsPolicy::None
-    } else if options.keep_normals {
+    } else if options.keep_normals || built.parts.is_empty() {
         NormalsPolicy::Kept
-    } else if stack.domain() == Domain::Model {
+    } else if built.stack().domain() == Domain::Model {
         NormalsPolicy::Recomputed
     } else {
         NormalsPolicy::Carried
@@ -345,7 +379,7 @@ fn report_json<S: ModelSpace>(
         .map(|(&a, &b)| a.distance(b))
         .enumerate();
     let farthest = farthest
-        .filter(|(_, d)| d.is_finite())
+        .filter(|(_, d)| d.is_finite() && *d > 0.0)
         .max_by(|a, b| a.1.total_cmp(&b.1));
     json!({
         "anamorph": env!("CARGO_PKG_VERSION"),
@@ -373,6 +407,9 @@ fn report_json<S: ModelSpace>(
     })
 }
 
+/// Warps that the summary names.
+const MOST_TITLES: usize = 8;
+
 fn summary<S: ModelSpace>(
     job: &Job,
     built: &BuiltRecipe<S>,
@@ -385,10 +422,14 @@ fn summary<S: ModelSpace>(
         .iter()
         .map(anamorph_recipe::BuiltPart::title)
         .collect();
-    let by = if titles.is_empty() {
-        "no warp".to_owned()
-    } else {
-        titles.join(", ")
+    let by = match titles.len() {
+        0 => "no warp".to_owned(),
+        1..=MOST_TITLES => titles.join(", "),
+        more => format!(
+            "{} and {} more",
+            titles[..MOST_TITLES].join(", "),
+            more - MOST_TITLES
+        ),
     };
     let output = if files::is_stream(&job.output) {
         "standard output".to_owned()
@@ -396,17 +437,17 @@ fn summary<S: ModelSpace>(
         job.output.display().to_string()
     };
     let model = files::shown(&job.model);
-    eprintln!(
+    say!(
         "{model} -> {output}: {by}; {} of {count} points moved",
         report.moved_points
     );
     if policy != NormalsPolicy::None {
-        eprintln!("  normals {}", policy.words());
+        say!("  normals {}", policy.words());
     }
     if let Some(path) = &job.preview {
-        eprintln!("  preview {}", path.display());
+        say!("  preview {}", path.display());
     }
     if let Some(path) = &job.report {
-        eprintln!("  report {}", path.display());
+        say!("  report {}", path.display());
     }
 }

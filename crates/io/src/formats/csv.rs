@@ -15,6 +15,7 @@ use crate::{
 };
 use anamorph_core::glam::{DVec2, DVec3};
 use core::ops::Range;
+use std::collections::HashSet;
 use std::io::Write;
 
 /// The format.
@@ -432,18 +433,37 @@ impl Table {
         }
     }
 
-    /// Columns besides the coordinates that have a name of their own and hold numbers only.
-    fn numeric_columns(&self) -> Vec<usize> {
-        let named =
-            |i: &usize| !self.names[*i].is_empty() && !self.names[..*i].contains(&self.names[*i]);
-        let mut columns: Vec<usize> = (0..self.names.len())
+    /// Columns besides the coordinates that have a name of their own: the first of those called the same.
+    fn named_columns(&self) -> Vec<usize> {
+        let mut seen = HashSet::new();
+        (0..self.names.len())
             .filter(|i| !self.axes.contains(i))
-            .filter(named)
-            .collect();
+            .filter(|i| !self.names[*i].is_empty() && seen.insert(&self.names[*i]))
+            .collect()
+    }
+
+    /// Those of the columns that hold numbers only.
+    fn numeric(&self, mut columns: Vec<usize>) -> Vec<usize> {
         self.rows(|records| {
             columns.retain(|i| number::parse(&self.bytes[records.content(*i)]).is_some());
         });
         columns
+    }
+
+    /// The first of the numeric columns with a value that is not finite, and the rows of such values.
+    fn nonfinite_column(&self, columns: &[usize]) -> Option<Vec<usize>> {
+        let mut found: Vec<Vec<usize>> = vec![Vec::new(); columns.len()];
+        let mut row = 0;
+        self.rows(|records| {
+            for (rows, column) in found.iter_mut().zip(columns) {
+                let value = number::parse(&self.bytes[records.content(*column)]);
+                if !value.is_some_and(f64::is_finite) {
+                    rows.push(row);
+                }
+            }
+            row += 1;
+        });
+        found.into_iter().find(|rows| !rows.is_empty())
     }
 
     /// The values of a numeric column.
@@ -485,16 +505,15 @@ impl Document for Table {
         &self.nonfinite
     }
     fn attributes(&self) -> Vec<String> {
-        self.numeric_columns()
+        self.numeric(self.named_columns())
             .into_iter()
             .map(|i| self.names[i].clone())
             .collect()
     }
     fn attribute(&self, name: &str) -> Option<Vec<f64>> {
-        let column = self
-            .numeric_columns()
-            .into_iter()
-            .find(|i| self.names[*i] == name)?;
+        let named = self.named_columns().into_iter();
+        let called = named.filter(|i| self.names[*i] == name).collect();
+        let column = *self.numeric(called).first()?;
         Some(self.column(column))
     }
 
@@ -518,20 +537,14 @@ impl Document for Table {
                 first: First::Vertex(first),
             });
         }
-        let columns = self.numeric_columns();
-        for &column in &columns {
-            let values = self.column(column);
-            let bad = || (0..values.len()).filter(|i| !values[*i].is_finite());
-            if let Some(first) = bad().next() {
-                let kind = ProblemKind::NonFiniteAttribute;
-                findings.push(Finding {
-                    kind,
-                    count: bad().count() as u64,
-                    first: First::Vertex(first),
-                });
-                // One report of each kind: the first such column.
-                break;
-            }
+        let columns = self.numeric(self.named_columns());
+        // One report of each kind: the first such column.
+        if let Some(rows) = self.nonfinite_column(&columns) {
+            findings.push(Finding {
+                kind: ProblemKind::NonFiniteAttribute,
+                count: rows.len() as u64,
+                first: First::Vertex(rows[0]),
+            });
         }
         findings.sort_by_key(|finding| finding.kind);
         let problems = findings.iter().map(|finding| {

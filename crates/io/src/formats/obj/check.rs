@@ -166,8 +166,9 @@ pub(super) fn element(
     }
     let needed = fewest(statement.keyword);
     if corners < needed {
+        let counted = if corners == 1 { "corner" } else { "corners" };
         let error = broken(
-            format!("{name} {number} has {corners} corners and needs at least {needed}"),
+            format!("{name} {number} has {corners} {counted} and needs at least {needed}"),
             "add the missing corners, or remove the statement",
         );
         return Err(error.at(bytes, statement.start));

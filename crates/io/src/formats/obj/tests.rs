@@ -612,7 +612,7 @@ fn errors_say_what_and_where() {
         ("f", "has 0 corners"),
         ("f 1 2 x", "\"x\", which is no reference"),
         ("f 1 2 3/1/1/1", "which is no reference"),
-        ("l 1", "line element 1 has 1 corners"),
+        ("l 1", "line element 1 has 1 corner and"),
         ("p 7", "point element 1 refers to vertex \"7\""),
     ] {
         let error = refusal(&format!("{three}{face}\n"));
