@@ -1,6 +1,7 @@
 //! The pages under `docs/` are true: what the registries hold is described, and the recipes work.
 
 #![cfg(all(feature = "io", feature = "recipe"))]
+#![allow(clippy::panic, reason = "helpers of tests")]
 
 use anamorph::catalog::schemars::SchemaGenerator;
 use anamorph::catalog::serde_json::Value;
