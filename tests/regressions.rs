@@ -269,3 +269,26 @@ fn what_lies_before_the_range_of_a_straight_course_keeps_its_bits() {
         assert_eq!(warp.map(&Site::anywhere(p)), p);
     }
 }
+
+/// A mask that hides a feature was reported as exact interpolation, because the warp without its mask was asked.
+#[test]
+fn a_mask_counts_against_interpolation() {
+    use anamorph_core::guarantees::{Verdict, interpolation, interpolation_of};
+    use anamorph_core::{Affine, Condition, Masked, Plane, Term, Terms, glam::dvec2};
+
+    let make = || {
+        let condition = Condition {
+            feature: 0,
+            source: Plane::ZERO,
+            target: dvec2(1.0, 0.0),
+        };
+        let term = Term::new(Affine::translation(dvec2(1.0, 0.0)), 1.0, 1.0);
+        Terms::new(vec![term]).with_conditions(vec![condition])
+    };
+    assert_eq!(interpolation(&make(), 1.0).verdict, Verdict::Proved);
+    let masked = Masked::new(Box::new(make()), Box::new(0.5));
+    let conditions = anamorph_core::Warp::conditions(&make());
+    let verdict = interpolation_of(&masked, &conditions, 1.0);
+    assert_eq!(verdict.verdict, Verdict::Refuted);
+    assert_eq!(verdict.witness.map(|w| w.value), Some(0.5));
+}

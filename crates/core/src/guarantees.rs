@@ -3,7 +3,7 @@
 //! *Source*: Milliron et al. 2002, §7 (commutativity, interpolation, continuity, invertibility); errata F3, F4, F15.
 //! A verdict is *proved*, *refuted* by a witness, or *unknown*; a sampled search can refute, never prove.
 
-use crate::{Deformation, Linear, Site, Smoothness, Space, Warp};
+use crate::{Condition, Deformation, Linear, Site, Smoothness, Space, Warp};
 
 /// A property one may want of a deformation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -144,12 +144,20 @@ pub fn continuity<S: Space, D: Deformation<S> + ?Sized>(deformation: &D) -> Guar
 /// Interpolation by measuring every condition the warp names (errata F15). `size` is the model's size in scene units; an
 /// error below 1e-9 of it counts as exact.
 pub fn interpolation<S: Space, W: Warp<S> + ?Sized>(warp: &W, size: f64) -> Guarantee<S> {
-    let conditions = warp.conditions();
+    interpolation_of(warp, &warp.conditions(), size)
+}
+
+/// As [`interpolation`], of any deformation against given conditions: what a mask or a stack leaves of a warp's promise.
+pub fn interpolation_of<S: Space, D: Deformation<S> + ?Sized>(
+    deformation: &D,
+    conditions: &[Condition<S>],
+    size: f64,
+) -> Guarantee<S> {
     if conditions.is_empty() {
         let statement = "the warp names no source point that should land on a target";
         return Guarantee::new(Property::Interpolation, Verdict::Unknown, statement, None);
     }
-    if warp.domain() == crate::Domain::Model {
+    if deformation.domain() == crate::Domain::Model {
         let statement = "a field lives on the model, so that the warp has no value at its features";
         return Guarantee::new(Property::Interpolation, Verdict::Unknown, statement, None);
     }
@@ -160,8 +168,8 @@ pub fn interpolation<S: Space, W: Warp<S> + ?Sized>(warp: &W, size: f64) -> Guar
             value: -1.0,
         },
     );
-    for condition in &conditions {
-        let error = warp
+    for condition in conditions {
+        let error = deformation
             .map(&Site::anywhere(condition.source))
             .distance(condition.target);
         if error > worst.1.value || error.is_nan() {
@@ -177,7 +185,11 @@ pub fn interpolation<S: Space, W: Warp<S> + ?Sized>(warp: &W, size: f64) -> Guar
     let (feature, witness) = worst;
     let tolerance = 1e-9 * if size > 0.0 { size } else { 1.0 };
     if witness.value <= tolerance {
-        let statement = format!("exact at all {} source points", conditions.len());
+        let statement = if conditions.len() == 1 {
+            "exact at its source point".to_owned()
+        } else {
+            format!("exact at all {} source points", conditions.len())
+        };
         return Guarantee::new(
             Property::Interpolation,
             Verdict::Proved,

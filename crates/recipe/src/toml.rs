@@ -198,6 +198,7 @@ fn plain(message: &str, text: &str, span: Range<usize>) -> (usize, String, Strin
         "invalid integer",
         "invalid datetime",
         "invalid decimal",
+        "invalid boolean",
         "string values must",
     ]) {
         // The parser points into the word; show all of it.

@@ -2,9 +2,9 @@
 
 use crate::model::ModelSpace;
 use anamorph_core::guarantees::{
-    Guarantee, Property, Verdict, continuity, interpolation, no_fold, undecided,
+    Guarantee, Property, Verdict, continuity, interpolation_of, no_fold, undecided,
 };
-use anamorph_core::{Deformation, Domain};
+use anamorph_core::{Deformation, Domain, Warp};
 use anamorph_recipe::BuiltRecipe;
 use serde_json::{Value, json};
 
@@ -41,7 +41,7 @@ pub(crate) fn promises<S: ModelSpace>(
     let mut all = Vec::new();
     for part in &built.parts {
         let guarantees = vec![
-            interpolation(&part.warp, size),
+            interpolation_of(&part.deformation, &part.warp.conditions(), size),
             continuity(&part.deformation),
             no_fold(&part.deformation, &here, size),
             undecided(Property::Invertibility),

@@ -201,12 +201,34 @@ fn warp_all(
     }
 }
 
+/// Refuses a name that promises another format than the one that will be written: formats are not converted.
+fn refuse_other_format(job: &Job, document: &dyn Document) -> Result<(), Failure> {
+    let Some(extension) = job.output.extension().and_then(|e| e.to_str()) else {
+        return Ok(());
+    };
+    let other = anamorph_io::formats().iter().find(|format| {
+        let mut known = format.extensions().iter();
+        format.name() != document.format() && known.any(|e| e.eq_ignore_ascii_case(extension))
+    });
+    match other {
+        None => Ok(()),
+        Some(other) => Err(Failure::new(format!(
+            "{}: the model is {} and would not become {}; formats are not converted, so name the output .{}",
+            job.output.display(),
+            document.format().to_uppercase(),
+            other.name().to_uppercase(),
+            document.format()
+        ))),
+    }
+}
+
 fn warp_one(job: &Job, recipe: &Recipe, options: &WarpOptions) -> Result<(), Failure> {
     for (path, _) in job.results() {
         files::refuse_existing(path, options.force)?;
     }
     let read_options = ReadOptions::default().allow_nonfinite(options.allow_nonfinite);
     let document = model::read(&job.model, &read_options)?;
+    refuse_other_format(job, document.as_ref())?;
     match document.points() {
         Points::Plane(_) => warp_document::<Plane>(job, recipe, options, document.as_ref()),
         Points::Solid(_) => warp_document::<Solid>(job, recipe, options, document.as_ref()),

@@ -420,7 +420,8 @@ pub(crate) fn bend<S: Space>() -> WarpEntry<S> {
 struct AxialParameters {
     /// Direction of the axis.
     axis: Axis,
-    /// First direction across the axis; the coordinate axis least aligned with it if left out.
+    /// First direction across the axis. If left out: in space the coordinate axis least aligned with it, in the plane the
+    /// normal to its left.
     across: Option<Axis>,
     /// A point of the axis; the middle of the model if left out.
     centre: Option<Place>,
