@@ -287,7 +287,7 @@ fn a_mask_counts_against_interpolation() {
     };
     assert_eq!(interpolation(&make(), 1.0).verdict, Verdict::Proved);
     let masked = Masked::new(Box::new(make()), Box::new(0.5));
-    let conditions = anamorph_core::Warp::conditions(&make());
+    let conditions = make().conditions();
     let verdict = interpolation_of(&masked, &conditions, 1.0);
     assert_eq!(verdict.verdict, Verdict::Refuted);
     assert_eq!(verdict.witness.map(|w| w.value), Some(0.5));
