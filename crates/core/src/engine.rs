@@ -23,9 +23,14 @@ fn map_run<S: Space, D: Deformation<S> + ?Sized>(
         let rest = &mut rest[..chunk.len()];
         rest.copy_from_slice(chunk);
         unmapped.append(deformation.map_points(first, chunk));
-        // Zero times a coordinate is zero exactly if it is finite; one test for the run.
-        let probe = chunk.iter().fold(S::ZERO, |sum, &p| sum + p * 0.0);
-        if !probe.is_finite() {
+        // Zero times a coordinate is zero exactly if it is finite. Eight sums, so that no addition waits for the last.
+        let mut probes = [S::ZERO; 8];
+        for eight in chunk.chunks(probes.len()) {
+            for (probe, &p) in probes.iter_mut().zip(eight) {
+                *probe += p * 0.0;
+            }
+        }
+        if !probes.iter().all(|probe| probe.is_finite()) {
             for (i, (point, &p)) in chunk.iter_mut().zip(rest.iter()).enumerate() {
                 if !point.is_finite() {
                     *point = p;
