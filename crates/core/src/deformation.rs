@@ -80,6 +80,14 @@ impl Unmapped {
     pub fn push(&mut self, index: usize) {
         self.indices.push(index);
     }
+    /// Records those of eight sites from `first` on whose bits are set in `lanes` and whose index is below `end`.
+    #[cfg(feature = "simd")]
+    pub fn push_lanes(&mut self, first: usize, lanes: u8, end: usize) {
+        let indices = (0..8)
+            .filter(|lane| lanes >> lane & 1 == 1)
+            .map(|lane| first + lane);
+        self.indices.extend(indices.filter(|&index| index < end));
+    }
     /// Records all of another list.
     pub fn append(&mut self, mut other: Self) {
         self.indices.append(&mut other.indices);
@@ -113,6 +121,12 @@ pub trait Deformation<S: Space>: Send + Sync {
             *point = self.map(&Site::new(first + i, *point));
         }
         Unmapped::none()
+    }
+
+    /// Whether [`Deformation::map_points`] itself leaves in place, and names, a point whose image would not be finite, so
+    /// that the engine need not remember where the points were.
+    fn keeps_finite(&self) -> bool {
+        false
     }
 
     /// The Jacobian: derivative of the image by the point. `size` is the model's size (diagonal of its bounds) in scene
@@ -165,6 +179,7 @@ macro_rules! forward_deformation {
             fn facts(&self) -> Facts<S> { (**self).facts() }
             fn domain(&self) -> Domain { (**self).domain() }
             fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped { (**self).map_points(first, points) }
+            fn keeps_finite(&self) -> bool { (**self).keeps_finite() }
             fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> { (**self).jacobian(site, size) }
         }
     )*};
@@ -263,6 +278,10 @@ impl<S: Space> Deformation<S> for Stack<S> {
         }
         unmapped.tidy();
         unmapped
+    }
+
+    fn keeps_finite(&self) -> bool {
+        matches!(self.parts.as_slice(), [only] if only.keeps_finite())
     }
 
     fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> {

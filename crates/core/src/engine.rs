@@ -10,27 +10,56 @@ const TASK: usize = 8192;
 /// Points whose places are remembered at a time, so that one that cannot be moved can be put back.
 const RUN: usize = 512;
 
+/// Whether all points are finite. Zero times a number is zero exactly if it is finite; sixteen sums, so that no addition
+/// waits for the last.
+#[cfg(feature = "simd")]
+fn all_finite<S: Space>(points: &[S]) -> bool {
+    const SUMS: usize = 16;
+    #[inline(always)]
+    fn sums(numbers: &[f64]) -> f64 {
+        let (blocks, rest) = numbers.as_chunks::<SUMS>();
+        let mut sums = [0.0; SUMS];
+        for block in blocks {
+            for (sum, &number) in sums.iter_mut().zip(block) {
+                *sum += number * 0.0;
+            }
+        }
+        let rest = rest.iter().map(|&number| number * 0.0);
+        sums.iter().sum::<f64>() + rest.sum::<f64>()
+    }
+    let level = crate::simd::Level::new();
+    crate::simd::dispatch!(level, _v => sums(S::coordinates(points))) == 0.0
+}
+
+/// Whether all points are finite.
+#[cfg(not(feature = "simd"))]
+fn all_finite<S: Space>(points: &[S]) -> bool {
+    points.iter().all(|p| p.is_finite())
+}
+
 /// Moves a run and puts back, and names, points whose image is not finite though they were.
 fn map_run<S: Space, D: Deformation<S> + ?Sized>(
     deformation: &D,
     first: usize,
     points: &mut [S],
 ) -> Unmapped {
+    if deformation.keeps_finite() {
+        return deformation.map_points(first, points);
+    }
     let mut unmapped = Unmapped::none();
     let mut rest = [S::ZERO; RUN];
     for (run, chunk) in points.chunks_mut(RUN).enumerate() {
         let first = first + run * RUN;
         let rest = &mut rest[..chunk.len()];
         rest.copy_from_slice(chunk);
-        unmapped.append(deformation.map_points(first, chunk));
-        // Zero times a coordinate is zero exactly if it is finite. Eight sums, so that no addition waits for the last.
-        let mut probes = [S::ZERO; 8];
-        for eight in chunk.chunks(probes.len()) {
-            for (probe, &p) in probes.iter_mut().zip(eight) {
-                *probe += p * 0.0;
+        let named = deformation.map_points(first, chunk);
+        for &index in named.indices() {
+            if let Some(i) = index.checked_sub(first).filter(|&i| i < rest.len()) {
+                chunk[i] = rest[i];
             }
         }
-        if !probes.iter().all(|probe| probe.is_finite()) {
+        unmapped.append(named);
+        if !all_finite(chunk) {
             for (i, (point, &p)) in chunk.iter_mut().zip(rest.iter()).enumerate() {
                 if !point.is_finite() {
                     *point = p;

@@ -29,9 +29,26 @@ pub fn lanes<V: Simd>(simd: V, number: impl FnMut(usize) -> f64) -> f64x8<V> {
     f64x8::from_fn(simd, number)
 }
 
-/// Coordinates of eight points.
+/// Which of a block's points a lane holds. In space the lanes are not in the order of the points: that way a block takes
+/// six blends and two rotations to read, and as many to write, instead of a shuffle for every coordinate.
+#[inline(always)]
+pub fn point_of_lane<S: Space>(lane: usize) -> usize {
+    if S::DIM == 3 { 3 * lane % LANES } else { lane }
+}
+
+/// Coordinates of eight points; lane `i` is that of point [`point_of_lane`]`(i)`.
 #[inline(always)]
 pub fn read_block<V: Simd, S: Space>(simd: V, points: &[S; LANES]) -> Block<V> {
+    if S::DIM == 3
+        && let ([a, b, c], []) = S::coordinates(points).as_chunks::<LANES>()
+    {
+        let rows = [a, b, c].map(|row| f64x8::simd_from(simd, *row));
+        return [
+            every_third(simd, rows, 0),
+            rotated::<V, 1>(every_third(simd, rows, 1)),
+            rotated::<V, 2>(every_third(simd, rows, 2)),
+        ];
+    }
     core::array::from_fn(|axis| {
         if axis < S::DIM {
             f64x8::from_fn(simd, |lane| points[lane].component(axis))
@@ -41,13 +58,45 @@ pub fn read_block<V: Simd, S: Space>(simd: V, points: &[S; LANES]) -> Block<V> {
     })
 }
 
-/// Eight points from their coordinates.
+/// Eight points from their coordinates, in the order of [`read_block`].
 #[inline(always)]
 pub fn write_block<V: Simd, S: Space>(block: Block<V>, points: &mut [S; LANES]) {
+    let simd = block[0].simd;
+    if S::DIM == 3
+        && let ([a, b, c], []) = S::coordinates_mut(points).as_chunks_mut::<LANES>()
+    {
+        let rows = [
+            block[0],
+            rotated::<V, 7>(block[1]),
+            rotated::<V, 6>(block[2]),
+        ];
+        // Place `i` of row `r` is coordinate `8 r + i`, of axis `(8 r + i) mod 3`.
+        *a = every_third(simd, rows, 0).into();
+        *b = every_third(simd, [rows[2], rows[0], rows[1]], 0).into();
+        *c = every_third(simd, [rows[1], rows[2], rows[0]], 0).into();
+        return;
+    }
     let rows: [[f64; LANES]; 3] = [block[0].into(), block[1].into(), block[2].into()];
     for (lane, point) in points.iter_mut().enumerate() {
         *point = S::from_fn(|axis| rows[axis][lane]);
     }
+}
+
+/// Blends three rows: lane `i` is taken from row `(i + 3 − shift) mod 3` of them, counted so that with consecutive
+/// coordinates in the rows the lanes hold the coordinates of axis `shift`.
+#[inline(always)]
+fn every_third<V: Simd>(simd: V, rows: [f64x8<V>; 3], shift: usize) -> f64x8<V> {
+    // Lanes 0, 3, 6; then 1, 4, 7; then 2, 5.
+    const THIRDS: [u64; 3] = [0b0100_1001, 0b1001_0010, 0b0010_0100];
+    let first = mask64x8::from_bitmask(simd, THIRDS[shift % 3]);
+    let second = mask64x8::from_bitmask(simd, THIRDS[(shift + 1) % 3]);
+    first.select(rows[0], second.select(rows[1], rows[2]))
+}
+
+/// The lanes rotated down by `N`: lane `i` is what was lane `i + N`.
+#[inline(always)]
+fn rotated<V: Simd, const N: usize>(row: f64x8<V>) -> f64x8<V> {
+    row.slide::<N>(row)
 }
 
 /// Eight points moved by vectors; equal to [`Space::moved_by`] bit for bit. Axes the space lacks stay.
@@ -60,6 +109,48 @@ pub fn moved_by<V: Simd, S: Space>(simd: V, points: &Block<V>, by: &Block<V>) ->
         moved[axis] = d.simd_eq(zero).select(p, p + d);
     }
     moved
+}
+
+/// Writes eight points moved from `before` by vectors. A point whose image is not finite stays; its bit is set in the
+/// result.
+#[inline(always)]
+pub fn settle<V: Simd, S: Space>(
+    simd: V,
+    before: &Block<V>,
+    by: &Block<V>,
+    points: &mut [S; LANES],
+) -> u8 {
+    let moved = moved_by::<V, S>(simd, before, by);
+    let lost = not_finite::<V, S>(simd, &moved);
+    if lost == 0 {
+        write_block(moved, points);
+        return 0;
+    }
+    let still = *points;
+    write_block(moved, points);
+    for (i, (point, still)) in points.iter_mut().zip(still).enumerate() {
+        if lost >> i & 1 == 1 {
+            *point = still;
+        }
+    }
+    lost
+}
+
+/// Which of eight points, a bit each, have a coordinate that is not finite.
+#[inline(always)]
+pub fn not_finite<V: Simd, S: Space>(simd: V, block: &Block<V>) -> u8 {
+    // Zero times a number is zero exactly if it is finite.
+    let zero = f64x8::splat(simd, 0.0);
+    let mut probe = zero;
+    for coordinate in block.iter().take(S::DIM) {
+        probe += *coordinate * zero;
+    }
+    if probe.simd_eq(zero).all_true() {
+        return 0;
+    }
+    let probes: [f64; LANES] = probe.into();
+    let bit = |(lane, probe): (usize, &f64)| u8::from(probe.is_nan()) << point_of_lane::<S>(lane);
+    probes.iter().enumerate().map(bit).sum()
 }
 
 /// The points of a run in blocks of eight, one after the other; the last, shorter one is padded with its own last point.
@@ -200,6 +291,43 @@ mod tests {
                 );
             }
         }
+    }
+
+    fn numbered<S: Space>() -> [S; LANES] {
+        core::array::from_fn(|i| S::from_fn(|axis| (10 * i + axis) as f64))
+    }
+
+    /// What a block holds, and what `settle` makes of it when point 5 and one more go to infinity.
+    #[inline(always)]
+    fn read_and_settle<V: Simd, S: Space>(simd: V) -> ([[f64; LANES]; 3], [S; LANES], u8) {
+        let mut points = numbered::<S>();
+        let block = read_block(simd, &points);
+        let mut by = [f64x8::splat(simd, 0.5); 3];
+        by[S::DIM - 1] = block[0]
+            .simd_eq(f64x8::splat(simd, 50.0))
+            .select(f64x8::splat(simd, f64::INFINITY), f64x8::splat(simd, 0.5));
+        let lost = settle(simd, &block, &by, &mut points);
+        (block.map(Into::into), points, lost)
+    }
+
+    fn check_blocks<S: Space>() {
+        let (block, points, lost) = dispatch!(Level::new(), simd => read_and_settle::<_, S>(simd));
+        for (i, &p) in numbered::<S>().iter().enumerate() {
+            let lane = (0..LANES).find(|&lane| point_of_lane::<S>(lane) == i);
+            let lane = lane.expect("every point has a lane");
+            for (axis, row) in block.iter().enumerate() {
+                assert_eq!(row[lane], p.component(axis));
+            }
+            let moved = if i == 5 { p } else { p + S::splat(0.5) };
+            assert_eq!(points[i], moved, "point {i}");
+        }
+        assert_eq!(lost, 1 << 5);
+    }
+
+    #[test]
+    fn blocks_hold_every_point_and_keep_the_lost() {
+        check_blocks::<Solid>();
+        check_blocks::<crate::Plane>();
     }
 
     #[inline(always)]

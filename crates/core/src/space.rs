@@ -45,6 +45,12 @@ pub trait Space:
     fn from_fn(f: impl FnMut(usize) -> f64) -> Self;
     /// Coordinate number `axis`; 0 for an axis the space does not have.
     fn component(self, axis: usize) -> f64;
+    /// The coordinates of a run of points, one after the other.
+    #[cfg(feature = "simd")]
+    fn coordinates(points: &[Self]) -> &[f64];
+    /// The same, to change.
+    #[cfg(feature = "simd")]
+    fn coordinates_mut(points: &mut [Self]) -> &mut [f64];
     /// Inner product.
     fn dot(self, other: Self) -> f64;
     /// The linear map that turns by `angle` radians: counter-clockwise in the plane (where `axis` is not read), by the
@@ -198,6 +204,16 @@ impl Space for DVec2 {
             _ => 0.0,
         }
     }
+    #[cfg(feature = "simd")]
+    #[inline]
+    fn coordinates(points: &[Self]) -> &[f64] {
+        bytemuck::cast_slice(points)
+    }
+    #[cfg(feature = "simd")]
+    #[inline]
+    fn coordinates_mut(points: &mut [Self]) -> &mut [f64] {
+        bytemuck::cast_slice_mut(points)
+    }
     #[inline]
     fn dot(self, other: Self) -> f64 {
         self.x * other.x + self.y * other.y
@@ -269,6 +285,16 @@ impl Space for DVec3 {
             2 => self.z,
             _ => 0.0,
         }
+    }
+    #[cfg(feature = "simd")]
+    #[inline]
+    fn coordinates(points: &[Self]) -> &[f64] {
+        bytemuck::cast_slice(points)
+    }
+    #[cfg(feature = "simd")]
+    #[inline]
+    fn coordinates_mut(points: &mut [Self]) -> &mut [f64] {
+        bytemuck::cast_slice_mut(points)
     }
     #[inline]
     fn dot(self, other: Self) -> f64 {

@@ -281,9 +281,12 @@ impl<S: Space, L: Law> Deformation<S> for AxialWarp<S, L> {
         })
     }
 
-    fn map_points(&self, _: usize, points: &mut [S]) -> Unmapped {
-        dispatch!(Level::new(), v => kernel(v, &self.frame, &self.law, points));
-        Unmapped::none()
+    fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+        dispatch!(Level::new(), v => kernel(v, &self.frame, &self.law, first, points))
+    }
+
+    fn keeps_finite(&self) -> bool {
+        true
     }
 
     fn jacobian(&self, site: &Site<S>, _: f64) -> Option<S::Linear> {
@@ -331,12 +334,25 @@ impl<S: Space, L: Law> Warp<S> for AxialWarp<S, L> {
 /// Eight points at a time: to local coordinates, the law, and the *difference* back, so that a point that does not move
 /// keeps its bits.
 #[inline(always)]
-fn kernel<V: Simd, S: Space, L: Law>(v: V, frame: &AxisFrame<S>, law: &L, points: &mut [S]) {
+fn kernel<V: Simd, S: Space, L: Law>(
+    v: V,
+    frame: &AxisFrame<S>,
+    law: &L,
+    first: usize,
+    points: &mut [S],
+) -> Unmapped {
+    let mut unmapped = Unmapped::none();
+    let (mut index, end) = (first, first + points.len());
     let mut blocks = simd::Blocks::new(points);
     while let Some(block) = blocks.next() {
-        eight(v, frame, law, block);
+        let lost = eight(v, frame, law, block);
+        if lost != 0 {
+            unmapped.push_lanes(index, lost, end);
+        }
+        index += simd::LANES;
     }
     blocks.finish();
+    unmapped
 }
 
 /// One block of the kernel. Loops and no closures: what is not inlined loses the vector instructions.
@@ -346,7 +362,7 @@ fn eight<V: Simd, S: Space, L: Law>(
     frame: &AxisFrame<S>,
     law: &L,
     points: &mut [S; simd::LANES],
-) {
+) -> u8 {
     let p = simd::read_block(v, points);
     let zero = simd::splat(v, 0.0);
     let mut d = [zero; 3];
@@ -368,7 +384,7 @@ fn eight<V: Simd, S: Space, L: Law>(
             *by += simd::splat(v, frame.basis[i].component(c)) * (moved[i] - q[i]);
         }
     }
-    simd::write_block(simd::moved_by::<V, S>(v, &p, &by), points);
+    simd::settle::<V, S>(v, &p, &by, points)
 }
 
 /// A scalar that varies along the axis: an angle, a factor, a shift.

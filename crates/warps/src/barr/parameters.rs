@@ -44,6 +44,24 @@ struct Resolved<S: Space> {
     range: AxisRange,
 }
 
+/// Resolves the axis and range of a Barr deformation's parameters, whose fields have the same names in all of them (a
+/// shared structure cannot be flattened into them without losing the refusal of unknown keys).
+macro_rules! resolved {
+    ($parameters:ident, $across:expr, $context:expr) => {
+        Resolved::new(
+            &AxisParameters {
+                axis: &$parameters.axis,
+                across: $across,
+                centre: $parameters.centre.as_ref(),
+                range: $parameters.range.as_ref(),
+                limits: $parameters.limits,
+                blend: $parameters.blend,
+            },
+            $context,
+        )
+    };
+}
+
 impl<S: Space> Resolved<S> {
     fn new(
         parameters: &AxisParameters<'_>,
@@ -81,6 +99,8 @@ impl<S: Space> Resolved<S> {
             return Err(ConstructError::new("range", message).with_hint(
                 if parameters.range.is_none() {
                     "the model has no extent along the axis; write `range` as two numbers"
+                } else if from == to {
+                    "write two different coordinates, the smaller one first"
                 } else {
                     "write the smaller coordinate first"
                 },
@@ -136,6 +156,22 @@ impl<S: Space> Resolved<S> {
         })
     }
 
+    /// The course that `profile` draws, else the polynomial, which holds everywhere unless a range is asked for.
+    fn drawn_or_polynomial(
+        &self,
+        profile: Option<Vec<[f64; 2]>>,
+        polynomial: Option<Vec<f64>>,
+        ranged: bool,
+    ) -> Result<(Course, Option<AxisRange>), ConstructError> {
+        match profile {
+            Some(points) => Ok((self.drawn("profile", &points, 1.0)?, Some(self.range))),
+            None => Ok((
+                Course::Polynomial(polynomial.unwrap_or_default()),
+                ranged.then_some(self.range),
+            )),
+        }
+    }
+
     /// A straight course over the range.
     fn linear(&self, start: f64, end: f64) -> Course {
         Course::linear(self.range.min(), start, self.range.max(), end)
@@ -153,6 +189,12 @@ impl<S: Space> Resolved<S> {
             marks,
         })
     }
+}
+
+/// Points [share of the range, angle] in radians.
+fn angles(points: &[(f64, Angle)]) -> Vec<[f64; 2]> {
+    let points = points.iter();
+    points.map(|(at, angle)| [*at, angle.radians()]).collect()
 }
 
 /// Exactly one of several ways to say the same.
@@ -214,28 +256,11 @@ pub(crate) fn taper<S: Space>() -> WarpEntry<S> {
             ("profile", p.profile.is_some()),
             ("polynomial", p.polynomial.is_some()),
         ])?;
-        let axis = AxisParameters {
-            axis: &p.axis,
-            across: None,
-            centre: p.centre.as_ref(),
-            range: p.range.as_ref(),
-            limits: p.limits,
-            blend: p.blend,
-        };
-        let resolved = Resolved::new(&axis, context)?;
+        let resolved = resolved!(p, None, context)?;
         let (factor, range) = if let Some(factor) = p.factor {
             (resolved.linear(1.0, factor), Some(resolved.range))
-        } else if let Some(profile) = &p.profile {
-            (
-                resolved.drawn("profile", profile, 1.0)?,
-                Some(resolved.range),
-            )
         } else {
-            // A polynomial holds everywhere unless a range is asked for.
-            (
-                Course::Polynomial(p.polynomial.unwrap_or_default()),
-                p.range.map(|_| resolved.range),
-            )
+            resolved.drawn_or_polynomial(p.profile, p.polynomial, p.range.is_some())?
         };
         let scaling = context.scaling.unwrap_or(Scaling::Displacement);
         resolved.built(Taper::construct(resolved.frame, factor, range, scaling))
@@ -295,35 +320,16 @@ pub(crate) fn twist() -> WarpEntry<Solid> {
                 ConstructError::new("start", "it only goes with `angle`").with_hint("remove it")
             );
         }
-        let axis = AxisParameters {
-            axis: &p.axis,
-            across: None,
-            centre: p.centre.as_ref(),
-            range: p.range.as_ref(),
-            limits: p.limits,
-            blend: p.blend,
-        };
-        let resolved = Resolved::new(&axis, context)?;
+        let resolved = resolved!(p, None, context)?;
         let (angle, range) = if let Some(angle) = p.angle {
             let start = p.start.map_or(0.0, Angle::radians);
             (
                 resolved.linear(start, angle.radians()),
                 Some(resolved.range),
             )
-        } else if let Some(profile) = &p.profile {
-            let points: Vec<[f64; 2]> = profile
-                .iter()
-                .map(|(at, angle)| [*at, angle.radians()])
-                .collect();
-            (
-                resolved.drawn("profile", &points, 1.0)?,
-                Some(resolved.range),
-            )
         } else {
-            (
-                Course::Polynomial(p.polynomial.unwrap_or_default()),
-                p.range.map(|_| resolved.range),
-            )
+            let profile = p.profile.as_deref().map(angles);
+            resolved.drawn_or_polynomial(profile, p.polynomial, p.range.is_some())?
         };
         let scaling = context.scaling.unwrap_or(Scaling::Composition);
         resolved.built(Twist::construct(resolved.frame, angle, range, scaling))
@@ -372,15 +378,7 @@ pub(crate) fn bend<S: Space>() -> WarpEntry<S> {
     ) -> Result<Built<S>, ConstructError> {
         let p: BendParameters = parse(value)?;
         one_of(&[("angle", p.angle.is_some()), ("radius", p.radius.is_some())])?;
-        let axis = AxisParameters {
-            axis: &p.axis,
-            across: Some(("toward", &p.toward)),
-            centre: p.centre.as_ref(),
-            range: p.range.as_ref(),
-            limits: p.limits,
-            blend: p.blend,
-        };
-        let resolved = Resolved::new(&axis, context)?;
+        let resolved = resolved!(p, Some(("toward", &p.toward)), context)?;
         let curvature = match (p.angle, p.radius) {
             (_, Some(radius)) => 1.0 / radius.resolve_positive("radius", context)?,
             (angle, None) => angle.map_or(0.0, Angle::radians) / resolved.length(),
@@ -457,15 +455,11 @@ pub(crate) fn axial<S: Space>() -> WarpEntry<S> {
                     .with_hint("draw at least one of them along the axis"),
             );
         }
-        let axis = AxisParameters {
-            axis: &p.axis,
-            across: p.across.as_ref().map(|across| ("across", across)),
-            centre: p.centre.as_ref(),
-            range: p.range.as_ref(),
-            limits: p.limits,
-            blend: p.blend,
-        };
-        let resolved = Resolved::new(&axis, context)?;
+        let resolved = resolved!(
+            p,
+            p.across.as_ref().map(|across| ("across", across)),
+            context
+        )?;
         let constant = |value: f64| Course::Polynomial(vec![value]);
         let mut law = Axial {
             factors: [constant(1.0), constant(1.0)],
@@ -481,11 +475,7 @@ pub(crate) fn axial<S: Space>() -> WarpEntry<S> {
             }
         }
         if let Some(turn) = &p.turn {
-            let points: Vec<[f64; 2]> = turn
-                .iter()
-                .map(|(at, angle)| [*at, angle.radians()])
-                .collect();
-            law.turn = resolved.drawn("turn", &points, 1.0)?;
+            law.turn = resolved.drawn("turn", &angles(turn), 1.0)?;
         }
         if let Some(shift) = &p.shift {
             let mut points: [Vec<[f64; 2]>; 3] = Default::default();

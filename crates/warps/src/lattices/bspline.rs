@@ -8,14 +8,14 @@
 //! abscissae, so that affine edits of them are reproduced; with uniform knots (the default) that puts one ring outside
 //! the box for degrees 2 and 3. Errata F3: outside the box nothing moves.
 
-use super::bernstein::{lattice_note, moved_points};
+use super::bernstein::lattice_note;
 use super::grid::{face_smoothness, one};
-use super::{Grid, LatticeError};
+use super::{Grid, LatticeError, PointLattice, points};
 use anamorph_core::simd::fearless_simd::{f64x4, prelude::*};
 use anamorph_core::simd::{Level, Simd, dispatch};
 use anamorph_core::{
-    Address, Affine, Condition, Deformation, Facts, Influences, Linear, Mark, Site, Smoothness,
-    Space, Unmapped, Warp,
+    Address, Affine, Condition, Deformation, Facts, Influences, Linear, Site, Smoothness, Space,
+    Unmapped, Warp,
 };
 use anamorph_fields::basis::KnotVector;
 
@@ -214,38 +214,6 @@ impl<S: Space> BsplineLattice<S> {
         Ok(lattice)
     }
 
-    /// The box and its grid.
-    pub fn grid(&self) -> &Grid<S> {
-        &self.grid
-    }
-    /// Displacements of the control points.
-    pub fn displacements(&self) -> &[S] {
-        &self.displacements
-    }
-
-    /// Rest position of a control point: at its Greville abscissae.
-    pub fn control_point(&self, flat: usize) -> S {
-        let triple = self.grid.triple(flat);
-        self.grid
-            .place(S::from_fn(|axis| self.greville[axis][triple[axis]]))
-    }
-
-    /// The cage before and after, for pictures.
-    pub fn marks(&self) -> Vec<Mark<S>> {
-        let rest: Vec<S> = (0..self.grid.len())
-            .map(|i| self.control_point(i))
-            .collect();
-        let targets: Vec<S> = rest
-            .iter()
-            .zip(&self.displacements)
-            .map(|(&p, &d)| p + d)
-            .collect();
-        let moved: Vec<bool> = self.displacements.iter().map(|d| *d != S::ZERO).collect();
-        let mut marks = self.grid.cage(&rest, &moved, false);
-        marks.extend(self.grid.cage(&targets, &moved, true));
-        marks
-    }
-
     fn derive_facts(&self) -> Facts<S> {
         let scale = self
             .displacements
@@ -363,6 +331,20 @@ impl<S: Space> Deformation<S> for BsplineLattice<S> {
     }
 }
 
+impl<S: Space> PointLattice<S> for BsplineLattice<S> {
+    fn grid(&self) -> &Grid<S> {
+        &self.grid
+    }
+    fn displacements(&self) -> &[S] {
+        &self.displacements
+    }
+    fn control_point(&self, flat: usize) -> S {
+        let triple = self.grid.triple(flat);
+        self.grid
+            .place(S::from_fn(|axis| self.greville[axis][triple[axis]]))
+    }
+}
+
 impl<S: Space> Warp<S> for BsplineLattice<S> {
     fn influences(&self, site: &Site<S>, out: &mut Influences) {
         let Some(local) = self.grid.local(site.point) else {
@@ -387,15 +369,10 @@ impl<S: Space> Warp<S> for BsplineLattice<S> {
         }
     }
     fn scaled(&self, address: Address, strength: f64) -> Affine<S> {
-        let displacement = self
-            .displacements
-            .get(address.feature as usize)
-            .copied()
-            .unwrap_or(S::ZERO);
-        Affine::translation(displacement * strength)
+        points::scaled(self, address, strength)
     }
     fn conditions(&self) -> Vec<Condition<S>> {
-        moved_points(&self.displacements, |flat| self.control_point(flat))
+        points::conditions(self)
     }
 }
 

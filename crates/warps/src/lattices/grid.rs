@@ -186,8 +186,8 @@ impl<S: Space> Grid<S> {
                 t += simd::splat(v, self.to_local.entry(row, column)) * *q;
             }
             inside = inside & t.simd_ge(low) & t.simd_le(high);
-            let t = t.simd_lt(zero).select(zero, t);
-            *local = t.simd_gt(one).select(one, t);
+            // Numbers that are none are outside, so that it does not matter what becomes of them.
+            *local = t.max(zero).min(one);
         }
         (local, inside)
     }

@@ -9,6 +9,8 @@ pub mod frames;
 mod grid;
 #[cfg(feature = "recipe")]
 pub(crate) mod parameters;
+mod points;
 
 pub(crate) use grid::one;
 pub use grid::{Grid, LatticeError};
+pub use points::PointLattice;

@@ -5,7 +5,7 @@
 use super::bernstein::BernsteinLattice;
 use super::bspline::{BsplineLattice, Knots};
 use super::frames::FrameLattice;
-use super::{Grid, LatticeError};
+use super::{Grid, LatticeError, PointLattice};
 use crate::features::turn_and_scale;
 use anamorph_catalog::schemars::JsonSchema;
 use anamorph_catalog::{
@@ -136,8 +136,10 @@ fn choose<S: Space>(
                 .ok()
                 .filter(|&i| i < count)
                 .ok_or_else(|| {
-                    let message =
-                        format!("there is no control point {i} along axis {axis}: it has {count}");
+                    let message = {
+                        let axis = ["x", "y", "z"].get(axis).copied().unwrap_or("?");
+                        format!("there is no control point {i} along {axis}: it has {count}")
+                    };
                     ConstructError::new(format!("{path}.{axis}"), message).with_hint(format!(
                         "indices run from 0 to {}, or from -1 backwards",
                         count - 1
@@ -310,6 +312,34 @@ fn located(error: &LatticeError) -> ConstructError {
     ConstructError::new(path, error.to_string())
 }
 
+/// A lattice of control points from the edits of its points.
+fn displaced<S: Space, L: PointLattice<S> + 'static>(
+    grid: Grid<S>,
+    moves: &[MoveParameters],
+    context: &Context<'_, S>,
+    construct: impl Fn(Grid<S>, Vec<S>) -> Result<L, LatticeError>,
+) -> Result<Built<S>, ConstructError> {
+    let construct =
+        |grid, displacements| construct(grid, displacements).map_err(|error| located(&error));
+    // A still lattice says where its points are, and whether the shape is allowed.
+    let still = vec![S::ZERO; grid.len()];
+    let still = construct(grid, still)?;
+    let rest: Vec<S> = (0..still.grid().len())
+        .map(|i| still.control_point(i))
+        .collect();
+    let targets = edit(still.grid(), &rest, moves, context)?;
+    let displacements = targets
+        .iter()
+        .zip(&rest)
+        .map(|(&target, &rest)| target - rest)
+        .collect();
+    let warp = construct(still.grid().clone(), displacements)?;
+    Ok(Built {
+        marks: warp.marks(),
+        warp: Box::new(warp),
+    })
+}
+
 /// A box of control points; moving them moves the model inside by Bernstein polynomials.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -334,24 +364,7 @@ pub(crate) fn lattice<S: Space>() -> WarpEntry<S> {
     ) -> Result<Built<S>, ConstructError> {
         let p: LatticeParameters = parse(value)?;
         let grid = grid(&p.shape, p.bounds.as_ref(), p.margin, context)?;
-        // A still lattice says where its points are, and whether the shape is allowed.
-        let still = vec![S::ZERO; grid.len()];
-        let still = BernsteinLattice::construct(grid, still).map_err(|error| located(&error))?;
-        let rest: Vec<S> = (0..still.grid().len())
-            .map(|i| still.control_point(i))
-            .collect();
-        let targets = edit(still.grid(), &rest, &p.moves, context)?;
-        let displacements = targets
-            .iter()
-            .zip(&rest)
-            .map(|(&target, &rest)| target - rest)
-            .collect();
-        let warp = BernsteinLattice::construct(still.grid().clone(), displacements)
-            .map_err(|error| located(&error))?;
-        Ok(Built {
-            marks: warp.marks(),
-            warp: Box::new(warp),
-        })
+        displaced(grid, &p.moves, context, BernsteinLattice::construct)
     }
     WarpEntry {
         kind: "lattice",
@@ -414,23 +427,8 @@ pub(crate) fn spline_lattice<S: Space>() -> WarpEntry<S> {
             KnotsParameter::Uniform => Knots::Uniform,
             KnotsParameter::Clamped => Knots::Clamped,
         };
-        let still = vec![S::ZERO; grid.len()];
-        let still = BsplineLattice::construct(grid, degree, knots, still)
-            .map_err(|error| located(&error))?;
-        let rest: Vec<S> = (0..still.grid().len())
-            .map(|i| still.control_point(i))
-            .collect();
-        let targets = edit(still.grid(), &rest, &p.moves, context)?;
-        let displacements = targets
-            .iter()
-            .zip(&rest)
-            .map(|(&target, &rest)| target - rest)
-            .collect();
-        let warp = BsplineLattice::construct(still.grid().clone(), degree, knots, displacements)
-            .map_err(|error| located(&error))?;
-        Ok(Built {
-            marks: warp.marks(),
-            warp: Box::new(warp),
+        displaced(grid, &p.moves, context, |grid, displacements| {
+            BsplineLattice::construct(grid, degree, knots, displacements)
         })
     }
     WarpEntry {
