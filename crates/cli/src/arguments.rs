@@ -87,6 +87,7 @@ pub(crate) struct ViewOptions {
         long,
         value_name = "SIDE",
         default_value = "three-quarter",
+        requires = "preview",
         help_heading = "Preview"
     )]
     pub view: Side,
@@ -95,17 +96,19 @@ pub(crate) struct ViewOptions {
         long,
         value_name = "AXIS",
         default_value = "y",
+        requires = "preview",
         help_heading = "Preview"
     )]
     pub up: UpAxis,
     /// Size of the preview in pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", value_parser = parse_size, help_heading = "Preview")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", requires = "preview", value_parser = parse_size, help_heading = "Preview")]
     pub size: (u32, u32),
     /// Colours of the preview
     #[arg(
         long,
         value_name = "THEME",
         default_value = "light",
+        requires = "preview",
         help_heading = "Preview"
     )]
     pub theme: ThemeName,

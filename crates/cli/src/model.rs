@@ -88,8 +88,9 @@ pub(crate) fn build<S: ModelSpace>(
     points: &[S],
 ) -> Result<BuiltRecipe<S>, Failure> {
     let attributes = DocumentAttributes(document);
+    let visible = document.visible().min(points.len());
     let context = Context {
-        bounds: Bounds::of(points),
+        bounds: Bounds::of(&points[..visible]),
         scaling: None,
         attributes: Some(&attributes),
     };
@@ -103,7 +104,7 @@ pub(crate) fn build<S: ModelSpace>(
             .collect();
         *done = parts.len();
         let _ = map_all_parallel(&Stack::new(new), points, &|_| {});
-        Bounds::of(points)
+        Bounds::of(&points[..visible])
     };
     recipe
         .build(&S::registry(), &context, &mut bounds_after)

@@ -366,7 +366,14 @@ impl<S: Space> Deformation<S> for Masked<S> {
     }
 
     fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+        if self.mask.constant() == Some(1.0) {
+            return self.deformation.map_points(first, points);
+        }
         map_masked(&self.deformation, &self.mask, first, points)
+    }
+
+    fn keeps_finite(&self) -> bool {
+        self.mask.constant() != Some(1.0) || self.deformation.keeps_finite()
     }
 
     fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> {
@@ -390,33 +397,82 @@ pub(crate) fn masked_jacobian<S: Space>(
     )
 }
 
-/// Blends a run of points, keeping the deformation's kernel.
+/// Blends a run of points, keeping the deformation's kernel. A point whose image is not finite stays, and is named.
 pub(crate) fn map_masked<S: Space>(
     deformation: &dyn Deformation<S>,
     mask: &dyn Field<S>,
     first: usize,
     points: &mut [S],
 ) -> Unmapped {
-    match mask.constant() {
-        Some(1.0) => return deformation.map_points(first, points),
-        Some(0.0) => return Unmapped::none(),
-        _ => {}
+    let constant = mask.constant();
+    if constant == Some(0.0) {
+        return Unmapped::none();
     }
     let mut unmapped = Unmapped::none();
     let mut rest = [S::ZERO; RUN];
-    let mut values = [0.0; RUN];
+    let mut values = [constant.unwrap_or(0.0); RUN];
     for (run, chunk) in points.chunks_mut(RUN).enumerate() {
         let first = first + run * RUN;
         let (rest, values) = (&mut rest[..chunk.len()], &mut values[..chunk.len()]);
         rest.copy_from_slice(chunk);
-        mask.values(first, rest, values);
-        if values.iter().all(|&m| m == 0.0) {
-            continue;
+        if constant.is_none() {
+            mask.values(first, rest, values);
+            if values.iter().all(|&m| m == 0.0) {
+                continue;
+            }
         }
         unmapped.append(deformation.map_points(first, chunk));
-        for ((point, &p), &m) in chunk.iter_mut().zip(rest.iter()).zip(values.iter()) {
-            *point = blend(p, *point, m);
+        blend_run(rest, values, chunk);
+        if !crate::engine::all_finite(chunk) {
+            for (i, (point, &p)) in chunk.iter_mut().zip(rest.iter()).enumerate() {
+                if !point.is_finite() {
+                    *point = p;
+                    unmapped.push(first + i);
+                }
+            }
         }
     }
     unmapped
+}
+
+/// [`blend`] for a run.
+#[cfg(not(feature = "simd"))]
+fn blend_run<S: Space>(rest: &[S], values: &[f64], moved: &mut [S]) {
+    for ((point, &p), &m) in moved.iter_mut().zip(rest).zip(values) {
+        *point = blend(p, *point, m);
+    }
+}
+
+/// [`blend`] for a run, eight points at a time.
+#[cfg(feature = "simd")]
+fn blend_run<S: Space>(rest: &[S], values: &[f64], moved: &mut [S]) {
+    use crate::simd::{self, LANES, Level, Simd, dispatch, prelude::*};
+    #[inline(always)]
+    fn eights<V: Simd, S: Space>(
+        v: V,
+        rest: &[[S; LANES]],
+        values: &[[f64; LANES]],
+        moved: &mut [[S; LANES]],
+    ) {
+        let (zero, one) = (simd::splat(v, 0.0), simd::splat(v, 1.0));
+        for ((moved, rest), values) in moved.iter_mut().zip(rest).zip(values) {
+            let m = simd::lanes(v, |lane| values[simd::point_of_lane::<S>(lane)]);
+            let (none, all) = (m.simd_eq(zero), m.simd_eq(one));
+            let (p, q) = (simd::read_block(v, rest), simd::read_block(v, moved));
+            let mut between = p;
+            for axis in 0..S::DIM {
+                let (p, q) = (p[axis], q[axis]);
+                let blended = p + (q - p) * m;
+                between[axis] = all.select(q, none.select(p, blended));
+            }
+            simd::write_block(between, moved);
+        }
+    }
+    let (rest, rest_end) = rest.as_chunks::<LANES>();
+    let (values, values_end) = values.as_chunks::<LANES>();
+    let (moved, moved_end) = moved.as_chunks_mut::<LANES>();
+    dispatch!(Level::new(), v => eights(v, rest, values, moved));
+    for ((point, &p), &m) in moved_end.iter_mut().zip(rest_end).zip(values_end) {
+        *point = blend(p, *point, m);
+    }
 }

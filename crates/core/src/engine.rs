@@ -13,7 +13,7 @@ const RUN: usize = 512;
 /// Whether all points are finite. Zero times a number is zero exactly if it is finite; sixteen sums, so that no addition
 /// waits for the last.
 #[cfg(feature = "simd")]
-fn all_finite<S: Space>(points: &[S]) -> bool {
+pub(crate) fn all_finite<S: Space>(points: &[S]) -> bool {
     const SUMS: usize = 16;
     #[inline(always)]
     fn sums(numbers: &[f64]) -> f64 {
@@ -33,7 +33,7 @@ fn all_finite<S: Space>(points: &[S]) -> bool {
 
 /// Whether all points are finite.
 #[cfg(not(feature = "simd"))]
-fn all_finite<S: Space>(points: &[S]) -> bool {
+pub(crate) fn all_finite<S: Space>(points: &[S]) -> bool {
     points.iter().all(|p| p.is_finite())
 }
 

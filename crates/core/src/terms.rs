@@ -259,6 +259,14 @@ impl<S: Space> Deformation<S> for Modulated<S> {
         evaluate_points(self, first, points)
     }
 
+    fn keeps_finite(&self) -> bool {
+        if self.neutral() {
+            self.warp.keeps_finite()
+        } else {
+            self.blending_strength().is_some()
+        }
+    }
+
     fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> {
         if self.neutral() {
             return self.warp.jacobian(site, size);

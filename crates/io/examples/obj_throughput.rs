@@ -95,10 +95,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let mut out = std::fs::File::create(&target)?;
         document.write(
-            &Moved {
-                points: Points::Solid(&moved),
-                normals,
-            },
+            &Moved::new(Points::Solid(&moved)).with_normals(normals),
             &mut out,
         )?;
         let write_time = begin.elapsed();

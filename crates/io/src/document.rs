@@ -13,6 +13,19 @@ pub trait Document: Send + Sync {
     fn format(&self) -> &'static str;
     /// The positions, in file order and in the file's units.
     fn points(&self) -> Points<'_>;
+    /// How many of the points, counted from the first, are the model as it is seen. Those behind them have to be moved with
+    /// it (the places that morph targets lead to) but belong to none of its faces and do not count for its bounds.
+    fn visible(&self) -> usize {
+        self.points().len()
+    }
+    /// What a user should know about how the file was understood, a sentence each.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+    /// Names of other files that the written document refers to, relative to the place of the one that was read.
+    fn companions(&self) -> Vec<String> {
+        Vec::new()
+    }
     /// Indices (from 0, ascending) of the points with a NaN or infinite coordinate. Empty unless
     /// [`ReadOptions::allow_nonfinite`](crate::ReadOptions::allow_nonfinite) was set. Such points are written as they were
     /// read, wherever they are said to have moved.
@@ -131,13 +144,40 @@ pub enum Normals<'a> {
     Recompute,
 }
 
-/// Where the points went, and what to do with the normals.
+/// Where the points went, and what becomes of the directions stored with them.
 #[derive(Clone, Copy)]
 pub struct Moved<'a> {
     /// The new positions: as many and in the same order as [`Document::points`].
     pub points: Points<'a>,
-    /// What becomes of stored normals.
+    /// What becomes of stored normals; they are kept if nothing is said.
     pub normals: Normals<'a>,
+    /// Gives, for a vertex (index from 0) and its old unit tangent, the new one, usually through the Jacobian. Without it,
+    /// and where the new one is null or not finite, tangents stay as they are.
+    pub tangents: Option<NormalMap<'a>>,
+}
+
+impl<'a> Moved<'a> {
+    /// Moved points; directions stay as they are.
+    #[must_use]
+    pub fn new(points: Points<'a>) -> Self {
+        Self {
+            points,
+            normals: Normals::Keep,
+            tangents: None,
+        }
+    }
+    /// Says what becomes of normals.
+    #[must_use]
+    pub fn with_normals(mut self, normals: Normals<'a>) -> Self {
+        self.normals = normals;
+        self
+    }
+    /// Says what becomes of tangents.
+    #[must_use]
+    pub fn with_tangents(mut self, tangents: NormalMap<'a>) -> Self {
+        self.tangents = Some(tangents);
+        self
+    }
 }
 
 /// What [`Document::write`] did.

@@ -8,7 +8,7 @@
 //!
 //! ```
 //! use anamorph_core::glam::DVec3;
-//! use anamorph_io::{Moved, Normals, Points, ReadOptions, read};
+//! use anamorph_io::{Moved, Points, ReadOptions, read};
 //!
 //! let file = b"# a triangle\nv 0 0 0 # origin\nv 1.50 0 0\nv 0 1e0 0\nf 1 2 3\n".to_vec();
 //! let document = read(file, Some("triangle.obj"), &ReadOptions::default())?;
@@ -17,7 +17,7 @@
 //! let doubled: Vec<DVec3> = points.iter().map(|p| *p * 2.0).collect();
 //!
 //! let mut out = Vec::new();
-//! document.write(&Moved { points: Points::Solid(&doubled), normals: Normals::Keep }, &mut out)?;
+//! document.write(&Moved::new(Points::Solid(&doubled)), &mut out)?;
 //! assert_eq!(out, b"# a triangle\nv 0 0 0 # origin\nv 3 0 0\nv 0 2 0\nf 1 2 3\n");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -39,6 +39,6 @@ mod text;
 
 pub use document::{Document, Mesh, Moved, NormalMap, Normals, Points, WriteReport};
 pub use error::{ReadError, ReadErrorKind, WriteError};
-pub use format::{Format, ReadOptions, Recognition};
+pub use format::{Companions, Format, NoCompanions, ReadOptions, Recognition};
 pub use inspect::{Inspection, Problem, ProblemKind};
-pub use registry::{find, formats, read};
+pub use registry::{find, formats, read, read_with};

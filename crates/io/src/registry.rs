@@ -1,6 +1,6 @@
 //! All formats, and how the right one is found: by content first, by the extension of the name second.
 
-use crate::{Document, Format, ReadError, ReadErrorKind, ReadOptions, Recognition};
+use crate::{Companions, Document, Format, ReadError, ReadErrorKind, ReadOptions, Recognition};
 
 /// One line for each format. Earlier ones win where two are equally sure.
 static FORMATS: &[&dyn Format] = &[
@@ -76,6 +76,19 @@ pub fn read(
     options: &ReadOptions,
 ) -> Result<Box<dyn Document>, ReadError> {
     find(&bytes, name)?.read(bytes, options)
+}
+
+/// As [`read()`], for a file that may keep part of its data in others.
+///
+/// # Errors
+/// As of [`find`] and [`Format::read_with`].
+pub fn read_with(
+    bytes: Vec<u8>,
+    name: Option<&str>,
+    options: &ReadOptions,
+    companions: &dyn Companions,
+) -> Result<Box<dyn Document>, ReadError> {
+    find(&bytes, name)?.read_with(bytes, options, companions)
 }
 
 #[cfg(test)]

@@ -34,10 +34,7 @@ fn written(document: &dyn Document, points: Points<'_>) -> String {
     let mut out = Vec::new();
     let report = document
         .write(
-            &Moved {
-                points,
-                normals: Normals::Recompute,
-            },
+            &Moved::new(points).with_normals(Normals::Recompute),
             &mut out,
         )
         .unwrap();
@@ -240,13 +237,7 @@ fn random_tables_and_random_damage() {
             document.inspect();
             let mut out = Vec::new();
             document
-                .write(
-                    &Moved {
-                        points: document.points(),
-                        normals: Normals::Keep,
-                    },
-                    &mut out,
-                )
+                .write(&Moved::new(document.points()), &mut out)
                 .unwrap();
             assert_eq!(out, bytes);
         }

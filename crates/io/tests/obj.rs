@@ -31,10 +31,7 @@ fn written(
     let mut out = Vec::new();
     let report = document
         .write(
-            &Moved {
-                points: Points::Solid(points),
-                normals,
-            },
+            &Moved::new(Points::Solid(points)).with_normals(normals),
             &mut out,
         )
         .unwrap();
@@ -218,15 +215,7 @@ fn moves_that_cannot_be_written_are_refused_before_anything_is() {
     let document = document("v 0 0 0\nv 1 0 0\n");
     let mut out = Vec::new();
     let mut attempt = |points: Points<'_>| {
-        let error = document
-            .write(
-                &Moved {
-                    points,
-                    normals: Normals::Keep,
-                },
-                &mut out,
-            )
-            .unwrap_err();
+        let error = document.write(&Moved::new(points), &mut out).unwrap_err();
         assert!(out.is_empty());
         error
     };
@@ -262,13 +251,7 @@ fn a_failing_output_is_an_error() {
     }
     for text in ["v 0 0 0\n", "x,y\n1,2\n"] {
         let document = read(text.into(), None, &ReadOptions::default()).unwrap();
-        let result = document.write(
-            &Moved {
-                points: document.points(),
-                normals: Normals::Keep,
-            },
-            &mut Full,
-        );
+        let result = document.write(&Moved::new(document.points()), &mut Full);
         assert!(matches!(result, Err(WriteError::Output(_))));
     }
 }

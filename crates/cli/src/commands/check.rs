@@ -21,7 +21,8 @@ fn check_one<S: ModelSpace>(
     let recipe = read_recipe(path, &options.set)?;
     let (built, points, on) = match document {
         Some(document) => {
-            let points = S::points(document.points()).unwrap_or_default().to_vec();
+            let points = S::points(document.points()).unwrap_or_default();
+            let points = points[..document.visible().min(points.len())].to_vec();
             let name = options
                 .model
                 .as_deref()
@@ -100,7 +101,14 @@ pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
         let result = if plane {
             check_one::<Plane>(path, options, document)
         } else {
-            check_one::<Solid>(path, options, document)
+            let solid = check_one::<Solid>(path, options, document);
+            // Without a model a recipe that only makes sense in the plane is taken for one of the plane.
+            match (solid, document) {
+                (Err(failure), None) if !files::is_stream(path) => {
+                    check_one::<Plane>(path, options, None).map_err(|_| failure)
+                }
+                (solid, _) => solid,
+            }
         };
         match result {
             Ok((text, value)) => {

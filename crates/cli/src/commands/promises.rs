@@ -30,13 +30,7 @@ pub(crate) fn promises<S: ModelSpace>(
     points: &[S],
     size: f64,
 ) -> Vec<Promises<S>> {
-    let step = points.len().div_ceil(EXAMINED).max(1);
-    let mut here: Vec<S> = points
-        .iter()
-        .copied()
-        .filter(|p| p.is_finite())
-        .step_by(step)
-        .collect();
+    let mut here = sample(points);
     let original = here.clone();
     let mut all = Vec::new();
     for part in &built.parts {
@@ -76,6 +70,32 @@ pub(crate) fn promises<S: ModelSpace>(
         });
     }
     all
+}
+
+/// Points spread over a model, few enough to be examined one by one.
+fn sample<S: ModelSpace>(points: &[S]) -> Vec<S> {
+    let step = points.len().div_ceil(EXAMINED).max(1);
+    let finite = points.iter().copied().filter(|p| p.is_finite());
+    finite.step_by(step).collect()
+}
+
+/// A sentence about the place where a recipe turns the model inside out, if one is found.
+pub(crate) fn fold<S: ModelSpace>(
+    built: &BuiltRecipe<S>,
+    points: &[S],
+    size: f64,
+) -> Option<String> {
+    let guarantee = no_fold(&built.stack(), &sample(points), size);
+    let witness = guarantee.witness?;
+    (guarantee.verdict == Verdict::Refuted).then(|| {
+        let place: Vec<String> = (0..S::DIM)
+            .map(|axis| crate::files::short(witness.place.component(axis)))
+            .collect();
+        format!(
+            "it folds over, first seen at ({}) of the original",
+            place.join(", ")
+        )
+    })
 }
 
 /// As JSON.

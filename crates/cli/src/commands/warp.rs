@@ -1,6 +1,6 @@
 //! `anamorph warp`: models in, a recipe, warped models out.
 
-use super::promises::{promises, to_json};
+use super::promises::{fold, promises, to_json};
 use crate::arguments::WarpOptions;
 use crate::error::{Failure, say};
 use crate::files::{self, Pending};
@@ -8,7 +8,8 @@ use crate::model::{self, ModelSpace};
 use crate::picture;
 use crate::progress::Progress;
 use anamorph_core::{
-    Bounds, Deformation, Domain, Linear, Plane, Solid, Space, carry_normal, map_all_parallel,
+    Bounds, Deformation, Domain, Linear, Plane, Solid, Space, carry_normal, carry_tangent,
+    map_all_parallel,
 };
 use anamorph_io::{Document, Moved, Normals, Points, ReadOptions, WriteReport};
 use anamorph_recipe::{BuiltRecipe, Recipe};
@@ -245,7 +246,8 @@ fn warp_document<S: ModelSpace>(
     let rest = S::points(document.points()).unwrap_or_default();
     let built = model::build(recipe, document, rest)?;
     let stack = built.stack();
-    let size = model::size(rest);
+    let visible = document.visible().min(rest.len());
+    let size = model::size(&rest[..visible]);
 
     let mut moved = rest.to_vec();
     let unmapped = {
@@ -272,8 +274,14 @@ fn warp_document<S: ModelSpace>(
     let mut report_file = job.report.as_ref().map(begin).transpose()?;
     let mut preview_file = job.preview.as_ref().map(begin).transpose()?;
     if let Some(file) = &mut preview_file {
-        let png = picture::preview(document, rest, &moved, &built, &options.view)
-            .map_err(|error| Failure::new(format!("{name}: cannot draw the preview: {error}")))?;
+        let png = picture::preview(
+            document,
+            &rest[..visible],
+            &moved[..visible],
+            &built,
+            &options.view,
+        )
+        .map_err(|error| Failure::new(format!("{name}: cannot draw the preview: {error}")))?;
         file.fill(|out| out.write_all(&png))?;
     }
     let policy = normals_policy(document, &built, options);
@@ -281,16 +289,35 @@ fn warp_document<S: ModelSpace>(
     let mut refused = None;
     let written = model_file.fill(|out| {
         let solid = S::DIM == 3;
-        let carry = |vertex: usize, normal: Solid| carried(&stack, document, size, vertex, normal);
+        let carry = |vertex: usize, normal: Solid| {
+            carried(
+                &stack,
+                document,
+                size,
+                vertex,
+                normal,
+                |jacobian, normal| carry_normal::<S>(jacobian, normal),
+            )
+        };
+        let carry_along = |vertex: usize, tangent: Solid| {
+            carried(
+                &stack,
+                document,
+                size,
+                vertex,
+                tangent,
+                |jacobian, tangent| carry_tangent::<S>(jacobian, tangent),
+            )
+        };
         let normals = match policy {
             NormalsPolicy::Carried if solid => Normals::Transform(&carry),
             NormalsPolicy::Recomputed => Normals::Recompute,
             _ => Normals::Keep,
         };
-        let wrapped = Moved {
-            points: S::wrap(&moved),
-            normals,
-        };
+        let mut wrapped = Moved::new(S::wrap(&moved)).with_normals(normals);
+        if matches!(normals, Normals::Transform(_)) {
+            wrapped = wrapped.with_tangents(&carry_along);
+        }
         match document.write(&wrapped, out) {
             Ok(done) => report = done,
             Err(anamorph_io::WriteError::Output(error)) => return Err(error),
@@ -316,6 +343,15 @@ fn warp_document<S: ModelSpace>(
     )?;
     if !options.quiet {
         summary(job, &built, rest.len(), &report, policy);
+        if !built.parts.is_empty() {
+            if report.moved_points == 0 {
+                say!(
+                    "  warning: nothing moved; see whether the recipe says how far, and whether a strength, weight or mask is 0"
+                );
+            } else if let Some(fold) = fold(&built, &rest[..visible], size) {
+                say!("  warning: {fold}; `anamorph check` says more");
+            }
+        }
     }
     Ok(())
 }
@@ -356,24 +392,26 @@ fn normals_policy<S: Space>(
     }
 }
 
-/// The normal at a vertex after the warp, through the Jacobian there. A normal that the warp leaves alone keeps its bits.
+/// A direction at a vertex after the warp, carried by `carry` through the Jacobian there. One that the warp leaves alone
+/// keeps its bits.
 fn carried<S: ModelSpace>(
     stack: &anamorph_core::Stack<S>,
     document: &dyn Document,
     size: f64,
     vertex: usize,
-    normal: Solid,
+    direction: Solid,
+    carry: impl Fn(&S::Linear, S) -> S,
 ) -> Solid {
     let Some(&point) = S::points(document.points()).and_then(|points| points.get(vertex)) else {
-        return normal;
+        return direction;
     };
     let Some(jacobian) = stack.jacobian(&anamorph_core::Site::new(vertex, point), size) else {
-        return normal;
+        return direction;
     };
     if jacobian == S::Linear::IDENTITY {
-        return normal;
+        return direction;
     }
-    let moved = carry_normal::<S>(&jacobian, S::from_fn(|axis| normal[axis]));
+    let moved = carry(&jacobian, S::from_fn(|axis| direction[axis]));
     Solid::from_fn(|axis| moved.component(axis))
 }
 
@@ -412,7 +450,7 @@ fn report_json<S: ModelSpace>(
         "format": document.format(),
         "space": S::NAME,
         "points": {
-            "count": rest.len(),
+            "count": document.visible().min(rest.len()),
             "moved": report.moved_points,
             "not_finite": document.nonfinite().len(),
             "farthest": farthest.map(|(index, distance)| json!({ "index": index, "distance": distance })),

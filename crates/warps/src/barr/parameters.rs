@@ -142,9 +142,20 @@ impl<S: Space> Resolved<S> {
 
     /// A curve drawn over the share of the range.
     fn drawn(&self, path: &str, points: &[[f64; 2]], scale: f64) -> Result<Course, ConstructError> {
+        if let Some((i, point)) = points
+            .iter()
+            .enumerate()
+            .find(|(_, point)| !(0.0..=1.0).contains(&point[0]))
+        {
+            return Err(ConstructError::new(
+                format!("{path}.{i}.0"),
+                format!("{} is not a share of the range", point[0]),
+            )
+            .with_hint("write a number from 0 (the start) to 1 (the end)"));
+        }
         // A curve that spans the whole range is never asked beyond its ends; then they need not be flattened.
-        let spans = points.first().is_some_and(|p| p[0] <= 0.0)
-            && points.last().is_some_and(|p| p[0] >= 1.0);
+        let spans = points.first().is_some_and(|p| p[0] == 0.0)
+            && points.last().is_some_and(|p| p[0] == 1.0);
         let ends = if spans { Ends::Linear } else { Ends::Constant };
         let profile = Profile::through_with_ends(points, ends)
             .map_err(|error| ConstructError::new(path, error.to_string()))?;

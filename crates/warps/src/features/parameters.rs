@@ -222,6 +222,13 @@ pub(crate) fn turn_and_scale<S: Space>(
             )
             .with_hint("remove it"));
         }
+        (Some(_), None, _) => {
+            return Err(ConstructError::new(
+                format!("{path}.axis"),
+                "there is an axis but no turn about it",
+            )
+            .with_hint("write `turn`, for example \"30deg\", or remove the axis"));
+        }
         (None, Some(_), 3) => {
             return Err(ConstructError::new(path, "a turn in space needs an `axis`")
                 .with_hint("write, for example, `axis = \"y\"`"));

@@ -217,10 +217,7 @@ fn written(text: &Text, points: &[DVec3], normals: Normals<'_>) -> String {
     let mut out = Vec::new();
     let report = text
         .write(
-            &Moved {
-                points: Points::Solid(points),
-                normals,
-            },
+            &Moved::new(Points::Solid(points)).with_normals(normals),
             &mut out,
         )
         .unwrap();
@@ -518,10 +515,7 @@ fn damage_never_panics() {
         text.mesh();
         let mut out = Vec::new();
         text.write(
-            &Moved {
-                points: text.points(),
-                normals: Normals::Recompute,
-            },
+            &Moved::new(text.points()).with_normals(Normals::Recompute),
             &mut out,
         )
         .unwrap();
@@ -530,10 +524,7 @@ fn damage_never_panics() {
         out.clear();
         let field = |v: usize, _: DVec3| DVec3::new(v as f64, 1.0, 0.0);
         text.write(
-            &Moved {
-                points: Points::Solid(&new),
-                normals: Normals::Transform(&field),
-            },
+            &Moved::new(Points::Solid(&new)).with_normals(Normals::Transform(&field)),
             &mut out,
         )
         .unwrap();
