@@ -12,6 +12,7 @@ use anamorph_fields::falloffs::Wires;
 use anamorph_fields::{Radial, RadialWeight};
 use anamorph_tests::random::Random;
 use anamorph_transforms::{Component, Composed, Ordered};
+use anamorph_warps::lattices::PointLattice;
 use anamorph_warps::lattices::bernstein::BernsteinLattice;
 use anamorph_warps::lattices::bspline::{BsplineLattice, Knots};
 use anamorph_warps::lattices::frames::FrameLattice;

@@ -9,6 +9,7 @@ use anamorph_tests::measure::{linear_distance, same_bits};
 use anamorph_tests::random::Random;
 use anamorph_transforms::{Composed, Rotational};
 use anamorph_warps::lattices::Grid;
+use anamorph_warps::lattices::PointLattice;
 use anamorph_warps::lattices::bernstein::BernsteinLattice;
 use anamorph_warps::lattices::bspline::{BsplineLattice, HIGHEST_DEGREE, Knots};
 use anamorph_warps::lattices::frames::FrameLattice;
