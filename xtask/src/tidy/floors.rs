@@ -57,6 +57,7 @@ pub const HOUSE: &[Row] = &[
         outside: Some(&[
             Free("glam"),
             Free("libm"),
+            Optional("bytemuck"),
             Optional("fearless_simd"),
             Optional("rayon"),
             Optional("serde"),
