@@ -42,6 +42,9 @@ fn run<S: Space>(points: &[S], stride: usize, tolerance: f64) -> usize {
 
 /// The counts along each axis of points in the order of a grid, or `None` where they are in no such order.
 pub(crate) fn infer_shape<S: Space>(points: &[S]) -> Option<Vec<usize>> {
+    if points.is_empty() {
+        return None;
+    }
     let tolerance = LOOSE * extent(points);
     let mut shape = vec![0; S::DIM];
     let mut stride = 1;

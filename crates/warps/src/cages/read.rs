@@ -135,8 +135,7 @@ impl<S: Space> Feature<S> {
         edges: &[[u32; 2]],
     ) -> Result<Vec<S>, ConstructError> {
         let settled = topology::settle(source, target);
-        let wired = !self.mesh.lines.is_empty();
-        if let Some((index, other)) = topology::reordered(source, &settled, edges, wired) {
+        if let Some((index, other)) = topology::reordered(source, &settled, edges) {
             let message = format!(
                 "the points of {} are in another order than those of {origin}: v {} stands where v {} stood",
                 self.name,

@@ -234,13 +234,12 @@ pub(crate) fn settle<S: Space>(source: &[S], target: &[S]) -> Vec<S> {
 }
 
 /// A point that stands where another stood, and that other, if the points can be nothing but the source's in another order:
-/// no two of them in one place, and joined otherwise than before (`edges`; not looked at where the file's own wires have
-/// shown it, `wired`), or most of them in place but mirrored.
+/// no two of them in one place, and some exchanged in a circle so that `edges` break, or most of them exchanged so that most
+/// edges break or everything is mirrored. An edit that carries points onto places that others have left is none of that.
 pub(crate) fn reordered<S: Space>(
     source: &[S],
     target: &[S],
     edges: &[[u32; 2]],
-    wired: bool,
 ) -> Option<(usize, usize)> {
     let first = source.first().copied()?;
     let size = source
@@ -295,25 +294,56 @@ pub(crate) fn reordered<S: Space>(
         }
     }
     let moved = |index: usize| Some((index, images[index].filter(|&image| image != index)?));
-    for &[a, b] in if wired { &[] } else { edges } {
-        let (a, b) = (a as usize, b as usize);
-        let (Some(x), Some(y)) = (images[a], images[b]) else {
-            continue;
-        };
-        let index = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
-        let pair = [index(x.min(y)), index(x.max(y))];
-        if edges.binary_search(&pair).is_err() {
-            let one = [a, b].into_iter().find_map(moved);
-            if one.is_some() {
-                return one;
+    let index = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
+    let broken: Vec<[usize; 2]> = edges
+        .iter()
+        .map(|edge| edge.map(|end| end as usize))
+        .filter(|&[a, b]| match (images[a], images[b]) {
+            (Some(x), Some(y)) => {
+                let pair = [index(x.min(y)), index(x.max(y))];
+                edges.binary_search(&pair).is_err()
             }
-        }
+            _ => false,
+        })
+        .collect();
+    let circles = circles(&images);
+    let ends = broken.iter().flatten().copied();
+    let exchanged = ends.filter_map(moved).find(|&(index, _)| circles[index]);
+    if exchanged.is_some() {
+        return exchanged;
     }
-    let exchanged = (0..images.len()).filter_map(moved).count();
-    if 2 * exchanged > images.len() && mirrored(source, target, &images, edges) == Some(true) {
+    let count = (0..images.len()).filter_map(moved).count();
+    let most_broken = 2 * broken.len() > edges.len();
+    if 2 * count > images.len()
+        && (most_broken || mirrored(source, target, &images, edges) == Some(true))
+    {
         return (0..images.len()).find_map(moved);
     }
     None
+}
+
+/// Which points come back to their own place by going on from place to place.
+fn circles(images: &[Option<usize>]) -> Vec<bool> {
+    let mut closed = vec![false; images.len()];
+    let mut seen = vec![false; images.len()];
+    for start in 0..images.len() {
+        let mut path = Vec::new();
+        let mut at = start;
+        while !core::mem::replace(&mut seen[at], true) {
+            path.push(at);
+            match images[at] {
+                Some(next) => at = next,
+                None => break,
+            }
+        }
+        // No two points lead to one place, so that a path can only close where it began.
+        if path.last().is_some_and(|&last| images[last] == Some(start)) {
+            for index in path {
+                closed[index] = true;
+            }
+        }
+    }
+    closed
 }
 
 /// Whether a corner whose wires all lead to known places has been turned inside out; `None` if there is no such corner.
@@ -373,28 +403,34 @@ mod tests {
     fn another_order_is_told_from_an_edit() {
         let edges = grid_edges([3, 3, 3]);
         let source = points();
-        assert_eq!(reordered(&source, &source, &edges, false), None);
+        assert_eq!(reordered(&source, &source, &edges), None);
         // Edits: a point onto its neighbour, a layer onto another, a turn of the whole, a shift by a cell.
         let mut edited = source.clone();
         edited[0] = source[1];
-        assert_eq!(reordered(&source, &edited, &edges, false), None);
+        assert_eq!(reordered(&source, &edited, &edges), None);
         let onto: Vec<DVec3> = source
             .iter()
             .map(|p| dvec3(p.x.max(1.0), p.y, p.z))
             .collect();
-        assert_eq!(reordered(&source, &onto, &edges, false), None);
+        assert_eq!(reordered(&source, &onto, &edges), None);
         let turned: Vec<DVec3> = source.iter().map(|p| dvec3(p.z, p.y, 2.0 - p.x)).collect();
-        assert_eq!(reordered(&source, &turned, &edges, false), None);
+        assert_eq!(reordered(&source, &turned, &edges), None);
+        // A layer onto the place of the next, which went away.
+        let pushed: Vec<DVec3> = source
+            .iter()
+            .map(|p| if p.x > 0.0 { *p + DVec3::X } else { *p })
+            .collect();
+        assert_eq!(reordered(&source, &pushed, &edges), None);
         let reversed: Vec<DVec3> = source.iter().rev().copied().collect();
-        assert_eq!(reordered(&source, &reversed, &edges, true), Some((0, 26)));
+        assert_eq!(reordered(&source, &reversed, &edges), Some((0, 26)));
         let shifted: Vec<DVec3> = source.iter().map(|p| *p + DVec3::X).collect();
-        assert_eq!(reordered(&source, &shifted, &edges, false), None);
+        assert_eq!(reordered(&source, &shifted, &edges), None);
         // Another order: two exchanged, and all but one, which was edited too.
         let mut exchanged = source.clone();
         exchanged.swap(3, 26);
-        assert!(reordered(&source, &exchanged, &edges, false).is_some());
+        assert!(reordered(&source, &exchanged, &edges).is_some());
         let mut mixed: Vec<DVec3> = (0..27).map(|i| source[i * 7 % 27]).collect();
         mixed[5] += dvec3(0.3, 0.2, 0.1);
-        assert!(reordered(&source, &mixed, &edges, false).is_some());
+        assert!(reordered(&source, &mixed, &edges).is_some());
     }
 }
