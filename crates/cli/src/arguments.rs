@@ -107,7 +107,12 @@ pub(crate) struct CageOptions {
     #[arg(long, value_name = "SPREAD", requires = "lattice")]
     pub knots: Option<KnotsName>,
     /// How far the box reaches beyond the model: scene units, or a share of the diagonal of its bounds such as `2%`
-    #[arg(long, value_name = "LENGTH", conflicts_with = "points")]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        conflicts_with = "points",
+        allow_hyphen_values = true
+    )]
     pub margin: Option<String>,
     /// Print nothing but errors
     #[arg(short, long)]

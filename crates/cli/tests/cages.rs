@@ -276,7 +276,7 @@ fn a_changed_cage_is_refused() {
         (format!("{cage}l 1 64\n"), "1 wire more, such as v 1 – v 64"),
         (format!("{cage}f 1 2 64\n"), "no neighbours"),
         (not_a_number, "edited.obj"),
-        (String::new(), "nothing in it"),
+        (String::new(), "the file is empty"),
         ("o Cage\n".to_owned(), "edited.obj"),
     ] {
         folder.put("edited.obj", &edited);
@@ -655,8 +655,8 @@ fn cages_are_written_whole_and_the_same_each_time() {
         ),
         (
             &["--lattice", "4", "--margin", "-1%", "-o", "a.obj"],
-            2,
-            "margin",
+            1,
+            "not negative",
         ),
         (
             &["--lattice", "4", "--margin=-1%", "-o", "a.obj"],
