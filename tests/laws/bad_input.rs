@@ -254,6 +254,25 @@ const ROWS: &[Row] = &[
         "move",
         "not finite",
     ),
+    ("lattice", "", "", "`shape`"),
+    (
+        "lattice",
+        "source = \"cage.obj\"",
+        "source",
+        "reads cage.obj, but no files are at hand",
+    ),
+    (
+        "frame-lattice",
+        "shape = [3, 3, 3]\ntarget = \"cage.obj\"",
+        "target",
+        "no files",
+    ),
+    (
+        "points",
+        "source = \"a.obj\"\ntarget = \"b.obj\"",
+        "source",
+        "no files",
+    ),
     ("spline-lattice", "shape = [4, 4, 3]", "shape", "at least 4"),
     (
         "spline-lattice",

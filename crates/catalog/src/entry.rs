@@ -1,6 +1,6 @@
 //! Entries, what they build, and what they are told about the model.
 
-use crate::{ConstructError, Value};
+use crate::{ConstructError, FeatureMesh, Meshes, Value};
 use anamorph_core::{Bounds, Field, Mark, Scaling, Space, Warp};
 use schemars::{Schema, SchemaGenerator};
 use std::sync::Arc;
@@ -53,6 +53,8 @@ pub struct Context<'a, S: Space> {
     pub scaling: Option<Scaling>,
     /// Per-vertex attributes of the model by name.
     pub attributes: Option<&'a dyn Attributes>,
+    /// The files that the recipe may name.
+    pub meshes: Option<&'a dyn Meshes>,
 }
 
 /// Per-vertex attributes of a model.
@@ -68,9 +70,23 @@ impl<S: Space> Context<'_, S> {
     pub fn of_bounds(bounds: Bounds<S>) -> Self {
         Self {
             bounds: Some(bounds),
-            scaling: None,
-            attributes: None,
+            ..Self::default()
         }
+    }
+
+    /// The content of a file that the parameter at `path` names.
+    ///
+    /// # Errors
+    /// An error at `path` if the file cannot be had, or if the context has no files.
+    pub fn mesh(&self, path: &str, name: &str) -> Result<Arc<FeatureMesh>, ConstructError> {
+        let Some(meshes) = self.meshes else {
+            let message = format!("this recipe reads {name}, but no files are at hand");
+            return Err(ConstructError::new(path, message)
+                .with_hint("build it with files, or describe the feature in the recipe"));
+        };
+        meshes
+            .mesh(name)
+            .map_err(|message| ConstructError::new(path, message))
     }
 
     /// The bounds, or an error at `path` that says that a model is needed.

@@ -9,10 +9,12 @@
 
 mod entry;
 mod error;
+mod mesh;
 mod parameters;
 
 pub use entry::{Attributes, Built, Context, Entry, FieldEntry, WarpEntry};
 pub use error::{ConstructError, parse};
+pub use mesh::{FeatureMesh, Meshes};
 pub use parameters::{Along, Angle, Axis, Coordinate, Length, Offset, Place, ScalingMethod};
 pub use schemars;
 pub use serde_json::{self, Value};

@@ -131,7 +131,14 @@ impl Length {
     ) -> Result<f64, ConstructError> {
         match self.0 {
             Coordinate::Absolute(value) => Ok(value),
-            Coordinate::Relative(f) => Ok(f * context.bounds(path)?.diagonal()),
+            Coordinate::Relative(f) => {
+                let diagonal = context.bounds(path)?.diagonal();
+                if diagonal.is_finite() {
+                    Ok(f * diagonal)
+                } else {
+                    Err(overflow(path))
+                }
+            }
         }
     }
 
@@ -153,6 +160,15 @@ impl Length {
             _ => "write a positive number or percentage",
         }))
     }
+}
+
+/// The error of a share of a size that is beyond the range of numbers.
+fn overflow(path: &str) -> ConstructError {
+    ConstructError::new(
+        path,
+        "this is a share of the model's size, which overflows the range of numbers",
+    )
+    .with_hint("scale the model down")
 }
 
 /// Either one number for all coordinates (percentages only) or one each.
@@ -278,7 +294,11 @@ impl Offset {
     ) -> Result<S, ConstructError> {
         let coordinates = self.0.coordinates::<S>(path)?;
         let size = if coordinates[..S::DIM].iter().any(|c| c.is_relative()) {
-            context.bounds(path)?.size()
+            let size = context.bounds(path)?.size();
+            if !size.is_finite() {
+                return Err(overflow(path));
+            }
+            size
         } else {
             S::ZERO
         };
@@ -368,9 +388,10 @@ impl Angle {
 impl<'de> Deserialize<'de> for Angle {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct AngleVisitor;
-        fn bare<E: Error>(value: f64) -> E {
+        // The number as it is written, or as short as it can be.
+        fn bare<E: Error>(number: impl fmt::Display) -> E {
             E::custom(format!(
-                "an angle needs its unit, and {value} has none | write \"{value}deg\" or \"{value}rad\""
+                "an angle needs its unit, and {number} has none | write \"{number}deg\" or \"{number}rad\""
             ))
         }
         impl Visitor<'_> for AngleVisitor {
@@ -379,22 +400,43 @@ impl<'de> Deserialize<'de> for Angle {
                 f.write_str("an angle with its unit, such as \"45deg\" or \"0.7rad\"")
             }
             fn visit_f64<E: Error>(self, value: f64) -> Result<Angle, E> {
+                // Beyond a few digits the exponent says more than zeros do.
+                if value == 0.0 || (1e-6..1e12).contains(&value.abs()) {
+                    Err(bare(value))
+                } else {
+                    Err(bare(format_args!("{value:e}")))
+                }
+            }
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Angle, E> {
                 Err(bare(value))
             }
-            #[allow(clippy::cast_precision_loss)]
-            fn visit_i64<E: Error>(self, value: i64) -> Result<Angle, E> {
-                Err(bare(value as f64))
-            }
-            #[allow(clippy::cast_precision_loss)]
             fn visit_u64<E: Error>(self, value: u64) -> Result<Angle, E> {
-                Err(bare(value as f64))
+                Err(bare(value))
             }
             fn visit_str<E: Error>(self, text: &str) -> Result<Angle, E> {
-                Angle::from_text(text).ok_or_else(|| match text.trim().parse::<f64>() {
-                    Ok(value) => bare(value),
-                    Err(_) => E::custom(format!(
-                        "`{text}` is not an angle | write a number and its unit, such as \"45deg\" or \"0.7rad\""
-                    )),
+                Angle::from_text(text).ok_or_else(|| {
+                    let text = text.trim();
+                    let finite = |number: &str| number.parse::<f64>().is_ok_and(f64::is_finite);
+                    if finite(text) {
+                        return bare(text);
+                    }
+                    // A number with another way to write its unit: say how to write that one.
+                    let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+                    let number = &text[..text.len() - unit.len()];
+                    let known = match unit.trim().to_lowercase().as_str() {
+                        "°" | "º" | "d" | "degs" | "degree" | "degrees" => Some("deg"),
+                        "r" | "rads" | "radian" | "radians" => Some("rad"),
+                        "turns" | "tr" | "rev" | "revs" => Some("turn"),
+                        _ => None,
+                    };
+                    match known.filter(|_| finite(number)) {
+                        Some(unit) => E::custom(format!(
+                            "`{text}` is not an angle | write \"{number}{unit}\""
+                        )),
+                        None => E::custom(format!(
+                            "`{text}` is not an angle | write a number and its unit, such as \"45deg\" or \"0.7rad\""
+                        )),
+                    }
                 })
             }
         }
@@ -557,6 +599,25 @@ mod tests {
                 error.to_string().contains("45deg\"") || error.to_string().contains("0.5deg"),
                 "{error}"
             );
+        }
+    }
+
+    #[test]
+    fn a_suggested_angle_is_the_one_written() {
+        for (written, suggestion) in [
+            (json!(45), "\"45deg\""),
+            (json!(-7.25), "\"-7.25deg\""),
+            (json!(1e-9), "\"1e-9deg\""),
+            (json!(u64::MAX), "\"18446744073709551615deg\""),
+            (json!("4.50"), "\"4.50deg\""),
+            (json!("45°"), "write \"45deg\""),
+            (json!("-45.5 Degrees"), "write \"-45.5deg\""),
+            (json!("2 radians"), "write \"2rad\""),
+            (json!("inf"), "such as \"45deg\""),
+            (json!("°"), "such as \"45deg\""),
+        ] {
+            let error = parse::<Parameters>(&json!({ "angle": written })).unwrap_err();
+            assert!(error.hint.contains(suggestion), "{written}: {error}");
         }
     }
 

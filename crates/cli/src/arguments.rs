@@ -20,6 +20,8 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Warp models by a recipe
     Warp(WarpOptions),
+    /// Write control points, frames or points of a model to edit in a modeller
+    Cage(CageOptions),
     /// Say what a model file holds, and what is odd about it
     Inspect(InspectOptions),
     /// Say what the warps of a recipe promise
@@ -71,12 +73,109 @@ pub(crate) struct WarpOptions {
     /// Pass points that are not finite through untouched, instead of refusing the file
     #[arg(long)]
     pub allow_nonfinite: bool,
+    /// Read files that lie outside of the folder of the file that names them
+    #[arg(long)]
+    pub allow_outside: bool,
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
     /// Replace files that exist
     #[arg(short, long)]
     pub force: bool,
+}
+
+/// Write control points, frames or points of a model to edit in a modeller.
+///
+/// A recipe reads them back: `source` names the file as written here, `target` the edited one.
+#[derive(Debug, Args)]
+pub(crate) struct CageOptions {
+    /// The model; `-` is standard input
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    #[command(flatten)]
+    pub content: CageContent,
+    /// Where the cage goes: an OBJ file, or a table of points if it ends in `.csv`; `-` is standard output
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// The warp that a lattice is for
+    #[arg(long, value_name = "KIND", requires = "lattice")]
+    pub kind: Option<LatticeKind>,
+    /// Degree of a spline lattice, 1 to 5; 3 if left out
+    #[arg(long, value_name = "N", requires = "lattice")]
+    pub degree: Option<usize>,
+    /// How the knots of a spline lattice are spread; uniform if left out
+    #[arg(long, value_name = "SPREAD", requires = "lattice")]
+    pub knots: Option<KnotsName>,
+    /// How far the box reaches beyond the model: scene units, or a share of the diagonal of its bounds such as `2%`
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        conflicts_with = "points",
+        allow_hyphen_values = true
+    )]
+    pub margin: Option<String>,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Replace a file that exists
+    #[arg(short, long)]
+    pub force: bool,
+}
+
+/// What a cage is made of.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+pub(crate) struct CageContent {
+    /// Control points of a lattice: how many along each axis, such as 4,4,4
+    #[arg(long, value_name = "N,N,N", value_parser = parse_counts)]
+    pub lattice: Option<Counts>,
+    /// Control frames, each an origin and the tips of its arrows: how many along each axis
+    #[arg(long, value_name = "N,N,N", value_parser = parse_counts)]
+    pub frames: Option<Counts>,
+    /// This many points of the model, spread well over it
+    #[arg(long, value_name = "COUNT", value_parser = parse_points)]
+    pub points: Option<usize>,
+}
+
+/// Numbers along each axis.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Counts(pub Vec<usize>);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LatticeKind {
+    /// Every control point moves the whole model
+    Lattice,
+    /// Every control point moves what is near
+    SplineLattice,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum KnotsName {
+    /// The outer control points lie outside of the box
+    Uniform,
+    /// The outer control points lie on the box
+    Clamped,
+}
+
+/// Beyond it nobody moves points by hand, and choosing them takes its time.
+const MOST_POINTS: usize = 10_000;
+
+fn parse_points(text: &str) -> Result<usize, String> {
+    let count = text.trim().parse().ok();
+    count
+        .filter(|count| (1..=MOST_POINTS).contains(count))
+        .ok_or_else(|| format!("write a whole number from 1 to {MOST_POINTS}"))
+}
+
+fn parse_counts(text: &str) -> Result<Counts, String> {
+    let counts: Option<Vec<usize>> = text
+        .split([',', 'x', 'X'])
+        .map(|count| count.trim().parse().ok())
+        .collect();
+    counts
+        .filter(|counts| counts.len() <= 3 && counts.iter().all(|&count| count >= 2))
+        .map(Counts)
+        .ok_or_else(|| "write a whole number, at least 2, for each axis, such as 4,4,4".to_owned())
 }
 
 /// How a preview is taken.
@@ -188,6 +287,9 @@ pub(crate) struct CheckOptions {
     /// Change a value of the recipe, such as `warp.0.angle=30deg`
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
+    /// Read files that lie outside of the folder of the file that names them
+    #[arg(long)]
+    pub allow_outside: bool,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

@@ -2,7 +2,7 @@
 
 use crate::error::{Failure, output};
 use std::io::{ErrorKind, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Whether a path stands for a standard stream.
 pub(crate) fn is_stream(path: &Path) -> bool {
@@ -107,11 +107,50 @@ fn exists(path: &Path) -> Failure {
     Failure::new(format!("{}: exists already{mend}", path.display()))
 }
 
-fn folder_of(path: &Path) -> &Path {
+pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     }
+}
+
+/// The path of a file that another file names, relative to `folder`. One that leads out of the folder (an absolute path,
+/// `..`, a link) is refused unless it is allowed.
+pub(crate) fn inside_folder(
+    folder: &Path,
+    name: &str,
+    allow_outside: bool,
+) -> Result<PathBuf, String> {
+    let path = folder.join(name);
+    if name.is_empty() {
+        return Err("a file has an empty name; write its name".to_owned());
+    }
+    if allow_outside {
+        return Ok(path);
+    }
+    let outside = |why: &str| {
+        Err(format!(
+            "{name} {why} {}; put the file there, or add --allow-outside",
+            folder.display()
+        ))
+    };
+    let mut depth = 0_usize;
+    for component in Path::new(name).components() {
+        match component {
+            Component::Normal(_) => depth += 1,
+            Component::CurDir => {}
+            Component::ParentDir if depth > 0 => depth -= 1,
+            Component::ParentDir | Component::RootDir | Component::Prefix(_) => {
+                return outside("is outside of");
+            }
+        }
+    }
+    if let (Ok(real), Ok(folder)) = (std::fs::canonicalize(&path), std::fs::canonicalize(folder))
+        && !real.starts_with(&folder)
+    {
+        return outside("is a link that leads out of");
+    }
+    Ok(path)
 }
 
 /// A path by which the same file is known, however it is written; it need not exist.

@@ -10,6 +10,7 @@ mod arguments;
 mod commands;
 mod error;
 mod files;
+mod meshes;
 mod model;
 mod picture;
 mod progress;
@@ -40,6 +41,7 @@ where
     };
     let result = match arguments.command {
         Command::Warp(options) => commands::warp::run(&options),
+        Command::Cage(options) => commands::cage::run(&options),
         Command::Inspect(options) => commands::inspect::run(&options),
         Command::Check(options) => commands::check::run(&options),
         Command::List(options) => commands::list::run(&options),

@@ -2,6 +2,7 @@
 
 use crate::error::Failure;
 use crate::files;
+use crate::meshes::RecipeFiles;
 use anamorph::registry;
 use anamorph_catalog::{Attributes, Context};
 use anamorph_core::{Bounds, Deformation, Plane, Solid, Space, Stack, map_all_parallel};
@@ -86,6 +87,7 @@ pub(crate) fn build<S: ModelSpace>(
     recipe: &Recipe,
     document: &dyn Document,
     points: &[S],
+    files: &RecipeFiles,
 ) -> Result<BuiltRecipe<S>, Failure> {
     let attributes = DocumentAttributes(document);
     let visible = document.visible().min(points.len());
@@ -93,6 +95,7 @@ pub(crate) fn build<S: ModelSpace>(
         bounds: Bounds::of(&points[..visible]),
         scaling: None,
         attributes: Some(&attributes),
+        meshes: Some(files),
     };
     // The model as it arrives at a later warp; each call moves it on by the parts that are new.
     let mut moved: Option<(usize, Vec<S>)> = None;

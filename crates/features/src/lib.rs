@@ -19,10 +19,12 @@
 mod error;
 mod frame;
 mod point;
+mod spread;
 
 pub use error::FeatureError;
 pub use frame::{Frame, FramePair};
 pub use point::PointPair;
+pub use spread::spread;
 
 /// A source and a target of one kind.
 #[derive(Debug, Clone, Copy, PartialEq)]

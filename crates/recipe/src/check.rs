@@ -254,7 +254,10 @@ impl Recipe {
         let meant = match (own, other) {
             (Some(near), _) => format!("did you mean `{near}`? "),
             (None, Some(near)) => format!("did you mean `{near}`, which works only {there}? "),
-            (None, None) => String::new(),
+            (None, None) => {
+                let known: Vec<String> = registry.warps.iter().map(|e| e.kind.to_owned()).collect();
+                format!("{}; ", suggestion("", &known))
+            }
         };
         let hint = format!("{meant}`anamorph list warps` names them all");
         Err(self.problem(&at, Part::Value, message, shown(&hint, 300)))

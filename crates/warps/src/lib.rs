@@ -2,6 +2,7 @@
 //!
 //! - [`features`]: free-standing points, coordinate frames, and the vortex.
 //! - [`lattices`]: free-form deformation with Bernstein polynomials, B-splines, and lattices of frames.
+//! - [`cages`]: control points and frames as wires that a modeller edits.
 //! - [`barr`]: taper, twist, bend and the generalized deformation along an axis.
 //!
 //! Each warp is built by a `construct` function that checks its parameters and returns a typed error, and is a
@@ -23,6 +24,7 @@
 //! ```
 
 pub mod barr;
+pub mod cages;
 pub mod features;
 pub mod lattices;
 #[cfg(feature = "recipe")]

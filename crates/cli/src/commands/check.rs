@@ -4,6 +4,7 @@ use super::promises::{promises, to_json, to_text};
 use crate::arguments::CheckOptions;
 use crate::error::{Failure, output};
 use crate::files;
+use crate::meshes::RecipeFiles;
 use crate::model::{ModelSpace, build, read, read_recipe, size};
 use anamorph_catalog::Context;
 use anamorph_core::{Bounds, Plane, Solid, Stack, map_all};
@@ -19,6 +20,7 @@ fn check_one<S: ModelSpace>(
     document: Option<&dyn Document>,
 ) -> Result<(String, Value), Failure> {
     let recipe = read_recipe(path, &options.set)?;
+    let beside = RecipeFiles::beside(path, options.allow_outside);
     let (built, points, on) = match document {
         Some(document) => {
             let points = S::points(document.points()).unwrap_or_default();
@@ -28,11 +30,14 @@ fn check_one<S: ModelSpace>(
                 .as_deref()
                 .map(files::shown)
                 .unwrap_or_default();
-            (build(&recipe, document, &points)?, points, name)
+            (build(&recipe, document, &points, &beside)?, points, name)
         }
         None => {
             let points = stand_in::<S>();
-            let context = Context::of_bounds(Bounds::new(S::splat(-1.0), S::splat(1.0)));
+            let context = Context {
+                meshes: Some(&beside),
+                ..Context::of_bounds(Bounds::new(S::splat(-1.0), S::splat(1.0)))
+            };
             let built = recipe
                 .build(&S::registry(), &context, &mut |parts| {
                     let mut moved = points.clone();

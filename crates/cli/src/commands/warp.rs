@@ -4,6 +4,7 @@ use super::promises::{fold, promises, to_json};
 use crate::arguments::WarpOptions;
 use crate::error::{Failure, say};
 use crate::files::{self, Pending};
+use crate::meshes::RecipeFiles;
 use crate::model::{self, ModelSpace};
 use crate::picture;
 use crate::progress::Progress;
@@ -153,6 +154,7 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
             .map_err(|error| Failure::usage(format!("--size: {error}")))?;
     }
     let recipe = model::read_recipe(&options.recipe, &options.set)?;
+    let beside = RecipeFiles::beside(&options.recipe, options.allow_outside);
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = options.threads {
         pool = pool.num_threads(threads);
@@ -161,7 +163,7 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
         .build()
         .map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
     let mut made = Vec::new();
-    let result = pool.install(|| warp_all(&jobs, &recipe, options, &mut made));
+    let result = pool.install(|| warp_all(&jobs, &recipe, &beside, options, &mut made));
     files::remove_empty(&made);
     result
 }
@@ -171,6 +173,7 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
 fn warp_all(
     jobs: &[Job],
     recipe: &Recipe,
+    beside: &RecipeFiles,
     options: &WarpOptions,
     made: &mut Vec<PathBuf>,
 ) -> Result<(), Failure> {
@@ -186,7 +189,7 @@ fn warp_all(
     }
     let mut failed = false;
     for job in jobs {
-        match warp_one(job, recipe, options) {
+        match warp_one(job, recipe, beside, options) {
             Ok(()) => {}
             Err(failure) if jobs.len() == 1 => return Err(failure),
             Err(failure) => {
@@ -223,7 +226,12 @@ fn refuse_other_format(job: &Job, document: &dyn Document) -> Result<(), Failure
     }
 }
 
-fn warp_one(job: &Job, recipe: &Recipe, options: &WarpOptions) -> Result<(), Failure> {
+fn warp_one(
+    job: &Job,
+    recipe: &Recipe,
+    beside: &RecipeFiles,
+    options: &WarpOptions,
+) -> Result<(), Failure> {
     for (path, _) in job.results() {
         files::refuse_existing(path, options.force)?;
     }
@@ -231,20 +239,22 @@ fn warp_one(job: &Job, recipe: &Recipe, options: &WarpOptions) -> Result<(), Fai
     let document = model::read(&job.model, &read_options)?;
     refuse_other_format(job, document.as_ref())?;
     match document.points() {
-        Points::Plane(_) => warp_document::<Plane>(job, recipe, options, document.as_ref()),
-        Points::Solid(_) => warp_document::<Solid>(job, recipe, options, document.as_ref()),
+        Points::Plane(_) => warp_document::<Plane>(job, recipe, beside, options, document.as_ref()),
+        Points::Solid(_) => warp_document::<Solid>(job, recipe, beside, options, document.as_ref()),
     }
 }
 
 fn warp_document<S: ModelSpace>(
     job: &Job,
     recipe: &Recipe,
+    beside: &RecipeFiles,
     options: &WarpOptions,
     document: &dyn Document,
 ) -> Result<(), Failure> {
     let name = files::shown(&job.model);
     let rest = S::points(document.points()).unwrap_or_default();
-    let built = model::build(recipe, document, rest)?;
+    let built = model::build(recipe, document, rest, beside)?;
+    beside.refuse_replacing(job.results().map(|(path, _)| path))?;
     let stack = built.stack();
     let visible = document.visible().min(rest.len());
     let size = model::size(&rest[..visible]);

@@ -6,6 +6,8 @@ use super::frames::FrameWarp;
 use super::points::PointWarp;
 use super::vortex::Vortex;
 use super::{FeatureError, Reach};
+use crate::cages::{Feature, load};
+use crate::lattices::frame_pairs;
 use anamorph_catalog::schemars::JsonSchema;
 use anamorph_catalog::{
     Angle, Axis, Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse,
@@ -17,12 +19,16 @@ use anamorph_fields::recipe::FalloffName;
 use anamorph_transforms::Rotational;
 use serde::Deserialize;
 
-/// An error of feature `i` of the list `list`.
-fn located(list: &str, error: &FeatureError) -> ConstructError {
+/// An error of a feature of the list `list`, before which come `from_files` features of files.
+fn located(list: &str, from_files: usize, error: &FeatureError) -> ConstructError {
+    let at = |feature: usize, key: &str| match feature.checked_sub(from_files) {
+        Some(number) => format!("{list}.{number}{key}"),
+        None => "target".to_owned(),
+    };
     let path = match error {
-        FeatureError::NotFinite { feature } => format!("{list}.{feature}"),
-        FeatureError::Radius { feature, .. } => format!("{list}.{feature}.radius"),
-        FeatureError::Flat { feature, .. } => format!("{list}.{feature}"),
+        FeatureError::NotFinite { feature } => at(*feature, ""),
+        FeatureError::Radius { feature, .. } => at(*feature, ".radius"),
+        FeatureError::Flat { feature, .. } => at(*feature, ""),
         FeatureError::NoAxis => "axis".to_owned(),
         FeatureError::Angle => "angle".to_owned(),
     };
@@ -57,6 +63,47 @@ fn reach<S: Space>(
         radius,
         falloff: falloff.get(),
     })
+}
+
+/// The files of a warp.
+struct Files<S> {
+    source: Option<Feature<S>>,
+    target: Option<Feature<S>>,
+}
+
+impl<S: Space> Files<S> {
+    fn load(
+        source: Option<&String>,
+        target: Option<&String>,
+        context: &Context<'_, S>,
+    ) -> Result<Self, ConstructError> {
+        Ok(Self {
+            source: load("source", source, context)?,
+            target: load("target", target, context)?,
+        })
+    }
+
+    /// The points of both, if there are files; `kind` is what a cage may say that it is for.
+    fn points(&self, kind: &str) -> Result<Option<(Vec<S>, Vec<S>)>, ConstructError> {
+        let (source, target) = match (&self.source, &self.target) {
+            (None, None) => return Ok(None),
+            (Some(source), Some(target)) => (source, target),
+            (source, _) => {
+                let (here, other) = if source.is_some() {
+                    ("source", "target")
+                } else {
+                    ("target", "source")
+                };
+                let message = format!("there is a `{here}` file and no `{other}`");
+                return Err(ConstructError::new(here, message)
+                    .with_hint(format!("name the other file as `{other}`")));
+            }
+        };
+        source.expect_kind(kind)?;
+        target.expect_kind(kind)?;
+        let targets = target.one_for_each(source)?;
+        Ok(Some((source.points.clone(), targets)))
+    }
 }
 
 /// The target of a feature: a place, or an offset from the source.
@@ -99,9 +146,13 @@ struct PointParameters {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct PointsParameters {
-    /// The points.
-    #[schemars(length(min = 1))]
+    /// The points; those of the files come before them.
+    #[serde(default)]
     point: Vec<PointParameters>,
+    /// A file with source points, such as from `anamorph cage --points`.
+    source: Option<String>,
+    /// A file with their targets, one for each in the same order.
+    target: Option<String>,
     /// How far points reach that say nothing themselves; everywhere if left out.
     radius: Option<Length>,
     /// Their falloff, "wires" if left out.
@@ -115,7 +166,15 @@ pub(crate) fn points<S: Space>() -> WarpEntry<S> {
         context: &Context<'_, S>,
     ) -> Result<Built<S>, ConstructError> {
         let p: PointsParameters = parse(value)?;
+        let files = Files::load(p.source.as_ref(), p.target.as_ref(), context)?;
         let mut pairs = Vec::new();
+        if let Some((sources, targets)) = files.points("points")? {
+            let reach = reach("", (None, None), (p.radius, p.falloff), context)?;
+            for (source, target) in sources.into_iter().zip(targets) {
+                pairs.push((PointPair { source, target }, reach));
+            }
+        }
+        let from_files = pairs.len();
         for (i, point) in p.point.iter().enumerate() {
             let path = format!("point.{i}");
             let source: S = point.from.resolve(&format!("{path}.from"), context)?;
@@ -129,10 +188,12 @@ pub(crate) fn points<S: Space>() -> WarpEntry<S> {
             pairs.push((PointPair { source, target }, reach));
         }
         if pairs.is_empty() {
-            return Err(ConstructError::new("point", "there is no point")
-                .with_hint("add a table `[[warp.point]]` with `from` and `to`"));
+            return Err(ConstructError::new("point", "there is no point").with_hint(
+                "add a table `[[warp.point]]` with `from` and `to`, or name files as `source` and `target`",
+            ));
         }
-        let warp = PointWarp::construct(pairs).map_err(|error| located("point", &error))?;
+        let warp =
+            PointWarp::construct(pairs).map_err(|error| located("point", from_files, &error))?;
         Ok(Built {
             marks: warp.marks(),
             warp: Box::new(warp),
@@ -184,9 +245,13 @@ struct FrameParameters {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct FramesParameters {
-    /// The frames.
-    #[schemars(length(min = 1))]
+    /// The frames; those of the files come before them.
+    #[serde(default)]
     frame: Vec<FrameParameters>,
+    /// A file with source frames, such as from `anamorph cage --frames`: an origin and the tips of the basis vectors each.
+    source: Option<String>,
+    /// A file with their targets, one for each in the same order.
+    target: Option<String>,
     /// How far frames reach that say nothing themselves; everywhere if left out.
     radius: Option<Length>,
     /// Their falloff, "wires" if left out.
@@ -254,7 +319,36 @@ pub(crate) fn frames<S: Rotational>() -> WarpEntry<S> {
         context: &Context<'_, S>,
     ) -> Result<Built<S>, ConstructError> {
         let p: FramesParameters = parse(value)?;
+        let files = Files::load(p.source.as_ref(), p.target.as_ref(), context)?;
         let mut pairs = Vec::new();
+        if let Some((sources, targets)) = files.points("frame-lattice")? {
+            if sources.len() % (S::DIM + 1) != 0 {
+                let message = format!(
+                    "{} has {} points, and a frame takes {}: its origin and the tips of its basis vectors",
+                    p.source.as_deref().unwrap_or_default(),
+                    sources.len(),
+                    S::DIM + 1
+                );
+                return Err(ConstructError::new("source", message)
+                    .with_hint("make such a file with `anamorph cage --frames`"));
+            }
+            let reach = reach("", (None, None), (p.radius, p.falloff), context)?;
+            let all = frame_pairs(&sources, &targets)?.into_iter();
+            for (pair, origin) in all.zip(sources.chunks_exact(S::DIM + 1)) {
+                let still = || {
+                    let basis = S::Linear::from_columns(|axis| origin[axis + 1] - origin[0]);
+                    Frame::new(origin[0], basis).map(|frame| FramePair {
+                        source: frame,
+                        target: frame,
+                    })
+                };
+                let pair = pair.map_or_else(still, Ok);
+                let pair =
+                    pair.map_err(|error| ConstructError::new("source", error.to_string()))?;
+                pairs.push((pair, reach));
+            }
+        }
+        let from_files = pairs.len();
         for (i, frame) in p.frame.iter().enumerate() {
             let path = format!("frame.{i}");
             let at: S = frame.at.resolve(&format!("{path}.at"), context)?;
@@ -296,12 +390,13 @@ pub(crate) fn frames<S: Rotational>() -> WarpEntry<S> {
             ));
         }
         if pairs.is_empty() {
-            return Err(ConstructError::new("frame", "there is no frame")
-                .with_hint("add a table `[[warp.frame]]` with `at`, `turn` and `axis`"));
+            return Err(ConstructError::new("frame", "there is no frame").with_hint(
+                "add a table `[[warp.frame]]` with `at`, `turn` and `axis`, or name files as `source` and `target`",
+            ));
         }
         let scaling = context.scaling.unwrap_or(Scaling::Composition);
-        let warp =
-            FrameWarp::construct(pairs, scaling).map_err(|error| located("frame", &error))?;
+        let warp = FrameWarp::construct(pairs, scaling)
+            .map_err(|error| located("frame", from_files, &error))?;
         let length = context
             .bounds
             .map_or(1.0, |bounds| 0.15 * bounds.diagonal());
@@ -369,7 +464,7 @@ pub(crate) fn vortex<S: Space>() -> WarpEntry<S> {
         }
         let scaling = context.scaling.unwrap_or(Scaling::Composition);
         let warp = Vortex::construct(centre, axis, p.angle.radians(), radius, falloff, scaling)
-            .map_err(|error| located("", &error))?;
+            .map_err(|error| located("", 0, &error))?;
         Ok(Built {
             marks: warp.marks(),
             warp: Box::new(warp),

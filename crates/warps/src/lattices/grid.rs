@@ -13,11 +13,16 @@ pub(crate) const FACE_TOLERANCE: f64 = 1e-12;
 /// What is wrong with a lattice.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LatticeError {
-    /// The edges of the box are dependent or not finite.
+    /// The edges of the box are null or dependent.
     #[error(
-        "the lattice box has no volume: its edges are dependent or not finite; give it edges in independent directions"
+        "the lattice box has no volume: its edges are null or dependent; give it edges in independent directions"
     )]
     Flat,
+    /// The box, or its edges, are beyond the range of numbers.
+    #[error(
+        "the lattice box overflows the range of numbers; scale the model down, or give a smaller box"
+    )]
+    Overflow,
     /// An axis with too few or too many control points.
     #[error("{points} control points along axis {axis}; {need}")]
     Shape {
@@ -62,12 +67,13 @@ impl<S: Space> Grid<S> {
     /// axis of the space (entries beyond the space's dimension are not read).
     ///
     /// # Errors
-    /// [`LatticeError::Flat`] if the edges are dependent or anything is not finite.
+    /// [`LatticeError::Overflow`] if anything is not finite, [`LatticeError::Flat`] if the edges are dependent.
     pub fn new(origin: S, edges: S::Linear, shape: &[usize]) -> Result<Self, LatticeError> {
-        let to_local = edges.inverted().ok_or(LatticeError::Flat)?;
-        if !origin.is_finite() {
-            return Err(LatticeError::Flat);
+        let finite = (0..S::DIM).all(|axis| edges.column(axis).is_finite());
+        if !(finite && origin.is_finite()) {
+            return Err(LatticeError::Overflow);
         }
+        let to_local = edges.inverted().ok_or(LatticeError::Flat)?;
         let shape = core::array::from_fn(|axis| {
             if axis < S::DIM {
                 shape.get(axis).copied().unwrap_or(0)
@@ -87,9 +93,12 @@ impl<S: Space> Grid<S> {
     /// so that every model has a lattice around it.
     ///
     /// # Errors
-    /// [`LatticeError::Flat`] if the bounds have no extent at all or are not finite.
+    /// [`LatticeError::Flat`] if the bounds have no extent at all, [`LatticeError::Overflow`] if their size is not finite.
     pub fn around(bounds: Bounds<S>, shape: &[usize]) -> Result<Self, LatticeError> {
         let (size, diagonal) = (bounds.size(), bounds.diagonal());
+        if !diagonal.is_finite() {
+            return Err(LatticeError::Overflow);
+        }
         let thick = |axis: usize| size.component(axis) > 1e-9 * diagonal;
         let min = S::from_fn(|axis| {
             let low = bounds.min.component(axis);
@@ -108,6 +117,29 @@ impl<S: Space> Grid<S> {
                 }
         });
         Self::new(min, edges, shape)
+    }
+
+    /// As [`Grid::around`], with the bounds grown by `margin` on all sides.
+    ///
+    /// # Errors
+    /// As [`Grid::around`].
+    pub fn around_with_margin(
+        bounds: Bounds<S>,
+        margin: f64,
+        shape: &[usize],
+    ) -> Result<Self, LatticeError> {
+        let margin = S::splat(margin);
+        let grown = Bounds {
+            min: bounds.min - margin,
+            max: bounds.max + margin,
+        };
+        Self::around(grown, shape)
+    }
+
+    /// The box from 0 to 1 along every axis.
+    #[cfg(feature = "recipe")]
+    pub(crate) fn unit(shape: &[usize]) -> Result<Self, LatticeError> {
+        Self::new(S::ZERO, S::Linear::IDENTITY, shape)
     }
 
     /// Corner with all local coordinates 0.

@@ -9,8 +9,12 @@ pub mod frames;
 mod grid;
 #[cfg(feature = "recipe")]
 pub(crate) mod parameters;
+#[cfg(feature = "recipe")]
+mod placement;
 mod points;
 
 pub(crate) use grid::one;
 pub use grid::{Grid, LatticeError};
+#[cfg(feature = "recipe")]
+pub(crate) use placement::frame_pairs;
 pub use points::PointLattice;

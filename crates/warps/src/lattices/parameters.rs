@@ -5,68 +5,18 @@
 use super::bernstein::BernsteinLattice;
 use super::bspline::{BsplineLattice, Knots};
 use super::frames::FrameLattice;
+use super::placement::{BoxParameters, Placed, Placement, frame_maps, located};
 use super::{Grid, LatticeError, PointLattice};
+use crate::cages::{CageKind, load};
 use crate::features::turn_and_scale;
 use anamorph_catalog::schemars::JsonSchema;
 use anamorph_catalog::{
     Angle, Axis, Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse,
     schemars,
 };
-use anamorph_core::{Affine, Bounds, Linear, Scaling, Space, Transformation};
+use anamorph_core::{Affine, Scaling, Space, Transformation};
 use anamorph_transforms::{Composed, Rotational};
 use serde::Deserialize;
-
-/// Most control points of one lattice: beyond it a recipe has surely slipped a zero.
-const MOST_CONTROL_POINTS: usize = 4_000_000;
-
-/// The box of a lattice.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(
-    untagged,
-    expecting = "a box is \"fit\", or a table with `min` and `max`, or with `origin` and `edges`"
-)]
-enum BoxParameters {
-    /// The bounds of the model.
-    #[default]
-    #[serde(skip)]
-    Fit,
-    /// `"fit"`, written out.
-    Named(Fit),
-    /// An axis-parallel box.
-    Corners(Corners),
-    /// A skew box.
-    Edges(Edges),
-}
-
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-#[schemars(inline)]
-enum Fit {
-    /// The bounds of the model.
-    Fit,
-}
-
-/// An axis-parallel box between two corners.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(inline)]
-struct Corners {
-    /// One corner.
-    min: Place,
-    /// The opposite corner.
-    max: Place,
-}
-
-/// A box spanned by edges from a corner.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(inline)]
-struct Edges {
-    /// The corner with index 0, 0, 0.
-    origin: Place,
-    /// One edge per axis.
-    edges: Vec<Offset>,
-}
 
 /// Which control points along one axis.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -163,14 +113,15 @@ fn choose<S: Space>(
     Ok(chosen)
 }
 
-/// Applies the edits in order to the points of a lattice.
+/// Applies the edits in order to the points of a lattice, which start from where a cage has them.
 fn edit<S: Space>(
     grid: &Grid<S>,
     rest: &[S],
+    target: Option<Vec<S>>,
     moves: &[MoveParameters],
     context: &Context<'_, S>,
 ) -> Result<Vec<S>, ConstructError> {
-    let mut points = rest.to_vec();
+    let mut points = target.unwrap_or_else(|| rest.to_vec());
     for (number, edit) in moves.iter().enumerate() {
         let path = format!("move.{number}");
         let chosen = choose(&format!("{path}.index"), grid, &edit.index)?;
@@ -220,120 +171,22 @@ fn edit<S: Space>(
     Ok(points)
 }
 
-/// The grid of a lattice.
-fn grid<S: Space>(
-    shape: &[usize],
-    parameters: Option<&BoxParameters>,
-    margin: Option<Length>,
-    context: &Context<'_, S>,
-) -> Result<Grid<S>, ConstructError> {
-    if shape.len() != S::DIM {
-        let message = format!(
-            "{} counts where the {} has {} axes",
-            shape.len(),
-            S::NAME,
-            S::DIM
-        );
-        return Err(ConstructError::new("shape", message)
-            .with_hint("count the control points along each axis"));
-    }
-    let count = shape
-        .iter()
-        .try_fold(1_usize, |product, &n| product.checked_mul(n));
-    if count.is_none_or(|count| count > MOST_CONTROL_POINTS) {
-        return Err(
-            ConstructError::new("shape", "that many control points are beyond any use")
-                .with_hint(format!("a lattice has at most {MOST_CONTROL_POINTS}")),
-        );
-    }
-    let margin = match margin {
-        Some(length) => {
-            let margin = length.resolve("margin", context)?;
-            if margin < 0.0 || !margin.is_finite() {
-                return Err(
-                    ConstructError::new("margin", format!("the margin is {margin}"))
-                        .with_hint("write a length that is not negative"),
-                );
-            }
-            S::splat(margin)
-        }
-        None => S::ZERO,
-    };
-    let grown = |bounds: Bounds<S>| Bounds {
-        min: bounds.min - margin,
-        max: bounds.max + margin,
-    };
-    let grid = match parameters {
-        None | Some(BoxParameters::Fit | BoxParameters::Named(Fit::Fit)) => {
-            Grid::around(grown(context.bounds("box")?), shape)
-        }
-        Some(BoxParameters::Corners(corners)) => {
-            let min = corners.min.resolve::<S>("box.min", context)?;
-            Grid::around(
-                grown(Bounds::new(min, corners.max.resolve("box.max", context)?)),
-                shape,
-            )
-        }
-        Some(BoxParameters::Edges(edges)) => {
-            if margin != S::ZERO {
-                return Err(
-                    ConstructError::new("margin", "a box given by edges takes no margin")
-                        .with_hint("remove it"),
-                );
-            }
-            if edges.edges.len() != S::DIM {
-                let message = format!(
-                    "{} edges where the {} has {} axes",
-                    edges.edges.len(),
-                    S::NAME,
-                    S::DIM
-                );
-                return Err(
-                    ConstructError::new("box.edges", message).with_hint("write one edge per axis")
-                );
-            }
-            let origin = edges.origin.resolve("box.origin", context)?;
-            let mut columns = Vec::new();
-            for (i, edge) in edges.edges.iter().enumerate() {
-                columns.push(edge.resolve::<S>(&format!("box.edges.{i}"), context)?);
-            }
-            Grid::new(origin, S::Linear::from_columns(|i| columns[i]), shape)
-        }
-    };
-    grid.map_err(|error| ConstructError::new("box", error.to_string()))
-}
-
-fn located(error: &LatticeError) -> ConstructError {
-    let path = match error {
-        LatticeError::Flat => "box",
-        LatticeError::Shape { .. } => "shape",
-        LatticeError::Count { .. } | LatticeError::NotFinite { .. } => "move",
-    };
-    ConstructError::new(path, error.to_string())
-}
-
-/// A lattice of control points from the edits of its points.
+/// A lattice of control points from its cage and the edits of its points.
 fn displaced<S: Space, L: PointLattice<S> + 'static>(
-    grid: Grid<S>,
+    placement: &Placement<'_, S>,
+    kind: CageKind,
     moves: &[MoveParameters],
     context: &Context<'_, S>,
     construct: impl Fn(Grid<S>, Vec<S>) -> Result<L, LatticeError>,
 ) -> Result<Built<S>, ConstructError> {
-    let construct =
-        |grid, displacements| construct(grid, displacements).map_err(|error| located(&error));
-    // A still lattice says where its points are, and whether the shape is allowed.
-    let still = vec![S::ZERO; grid.len()];
-    let still = construct(grid, still)?;
-    let rest: Vec<S> = (0..still.grid().len())
-        .map(|i| still.control_point(i))
-        .collect();
-    let targets = edit(still.grid(), &rest, moves, context)?;
+    let Placed { grid, rest, target } = placement.place(kind, context)?;
+    let targets = edit(&grid, &rest, target, moves, context)?;
     let displacements = targets
         .iter()
         .zip(&rest)
         .map(|(&target, &rest)| target - rest)
         .collect();
-    let warp = construct(still.grid().clone(), displacements)?;
+    let warp = construct(grid, displacements).map_err(|error| located(&error))?;
     Ok(Built {
         marks: warp.marks(),
         warp: Box::new(warp),
@@ -344,14 +197,19 @@ fn displaced<S: Space, L: PointLattice<S> + 'static>(
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LatticeParameters {
-    /// Number of control points along each axis, 2 to 32.
-    shape: Vec<usize>,
-    /// The box: "fit" (the model's bounds, also if left out), `{ min, max }`, or `{ origin, edges }`.
+    /// Number of control points along each axis, 2 to 32; `source` says it, too.
+    shape: Option<Vec<usize>>,
+    /// A file with the cage as it was, from `anamorph cage`: it says the shape and the box.
+    source: Option<String>,
+    /// A file with the cage as it was edited.
+    target: Option<String>,
+    /// The box where no `source` says it: "fit" (the model's bounds, also if left out), `{ min, max }`, or
+    /// `{ origin, edges }`.
     #[serde(rename = "box")]
     bounds: Option<BoxParameters>,
     /// Length by which an upright box is made larger on all sides.
     margin: Option<Length>,
-    /// Edits of control points, applied in order.
+    /// Edits of control points, applied in order, after those of `target`.
     #[serde(default, rename = "move")]
     moves: Vec<MoveParameters>,
 }
@@ -363,8 +221,15 @@ pub(crate) fn lattice<S: Space>() -> WarpEntry<S> {
         context: &Context<'_, S>,
     ) -> Result<Built<S>, ConstructError> {
         let p: LatticeParameters = parse(value)?;
-        let grid = grid(&p.shape, p.bounds.as_ref(), p.margin, context)?;
-        displaced(grid, &p.moves, context, BernsteinLattice::construct)
+        let placement = Placement {
+            shape: p.shape.as_deref(),
+            bounds: p.bounds.as_ref(),
+            margin: p.margin,
+            source: load("source", p.source.as_ref(), context)?,
+            target: load("target", p.target.as_ref(), context)?,
+        };
+        let construct = BernsteinLattice::construct;
+        displaced(&placement, CageKind::Lattice, &p.moves, context, construct)
     }
     WarpEntry {
         kind: "lattice",
@@ -382,12 +247,11 @@ pub(crate) fn lattice<S: Space>() -> WarpEntry<S> {
 }
 
 /// How knots are spread.
-#[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 enum KnotsParameter {
-    /// Equally spaced; the outer control points lie outside the box.
-    #[default]
+    /// Equally spaced; the outer control points lie outside the box. So it is if nothing is said.
     Uniform,
     /// Repeated at the faces; the outer control points lie on the faces.
     Clamped,
@@ -397,19 +261,23 @@ enum KnotsParameter {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct SplineLatticeParameters {
-    /// Number of control points along each axis, at least `degree` + 1.
-    shape: Vec<usize>,
+    /// Number of control points along each axis, at least `degree` + 1; `source` says it, too.
+    shape: Option<Vec<usize>>,
+    /// A file with the cage as it was, from `anamorph cage`: it says the shape and the box.
+    source: Option<String>,
+    /// A file with the cage as it was edited.
+    target: Option<String>,
     /// Degree of the splines, 1 to 5; 3 if left out.
     degree: Option<usize>,
     /// How knots are spread; control points stand at the Greville abscissae.
-    #[serde(default)]
-    knots: KnotsParameter,
-    /// The box: "fit" (the model's bounds, also if left out), `{ min, max }`, or `{ origin, edges }`.
+    knots: Option<KnotsParameter>,
+    /// The box where no `source` says it: "fit" (the model's bounds, also if left out), `{ min, max }`, or
+    /// `{ origin, edges }`.
     #[serde(rename = "box")]
     bounds: Option<BoxParameters>,
     /// Length by which an upright box is made larger on all sides.
     margin: Option<Length>,
-    /// Edits of control points, applied in order.
+    /// Edits of control points, applied in order, after those of `target`.
     #[serde(default, rename = "move")]
     moves: Vec<MoveParameters>,
 }
@@ -421,15 +289,45 @@ pub(crate) fn spline_lattice<S: Space>() -> WarpEntry<S> {
         context: &Context<'_, S>,
     ) -> Result<Built<S>, ConstructError> {
         let p: SplineLatticeParameters = parse(value)?;
-        let grid = grid(&p.shape, p.bounds.as_ref(), p.margin, context)?;
-        let degree = p.degree.unwrap_or(3);
-        let knots = match p.knots {
+        let placement = Placement {
+            shape: p.shape.as_deref(),
+            bounds: p.bounds.as_ref(),
+            margin: p.margin,
+            source: load("source", p.source.as_ref(), context)?,
+            target: load("target", p.target.as_ref(), context)?,
+        };
+        let said = placement.said();
+        let own = p.knots.map(|knots| match knots {
             KnotsParameter::Uniform => Knots::Uniform,
             KnotsParameter::Clamped => Knots::Clamped,
-        };
-        displaced(grid, &p.moves, context, |grid, displacements| {
-            BsplineLattice::construct(grid, degree, knots, displacements)
-        })
+        });
+        for (key, differs) in [
+            (
+                "degree",
+                p.degree
+                    .is_some_and(|own| said.degree.is_some_and(|said| said != own)),
+            ),
+            (
+                "knots",
+                own.is_some_and(|own| said.knots.is_some_and(|said| said != own)),
+            ),
+        ] {
+            if differs {
+                let message = format!("the cage was made for another `{key}`");
+                return Err(ConstructError::new(key, message)
+                    .with_hint("remove it here, or make the cage again"));
+            }
+        }
+        let degree = p.degree.or(said.degree).unwrap_or(3);
+        let knots = own.or(said.knots).unwrap_or(Knots::Uniform);
+        let kind = CageKind::Spline(degree, knots);
+        displaced(
+            &placement,
+            kind,
+            &p.moves,
+            context,
+            |grid, displacements| BsplineLattice::construct(grid, degree, knots, displacements),
+        )
     }
     WarpEntry {
         kind: "spline-lattice",
@@ -466,14 +364,19 @@ struct FrameEdit {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct FrameLatticeParameters {
-    /// Number of control frames along each axis, 2 to 32.
-    shape: Vec<usize>,
-    /// The box: "fit" (the model's bounds, also if left out), `{ min, max }`, or `{ origin, edges }`.
+    /// Number of control frames along each axis, 2 to 32; `source` says it, too.
+    shape: Option<Vec<usize>>,
+    /// A file with the frames as they were, from `anamorph cage --frames`: it says the shape and the box.
+    source: Option<String>,
+    /// A file with the frames as they were turned, scaled and moved.
+    target: Option<String>,
+    /// The box where no `source` says it: "fit" (the model's bounds, also if left out), `{ min, max }`, or
+    /// `{ origin, edges }`.
     #[serde(rename = "box")]
     bounds: Option<BoxParameters>,
     /// Length by which an upright box is made larger on all sides.
     margin: Option<Length>,
-    /// Edits of control frames; a later edit of the same frame comes after the earlier ones.
+    /// Edits of control frames, after those of `target`; a later edit of the same frame comes after the earlier ones.
     #[serde(default)]
     frame: Vec<FrameEdit>,
 }
@@ -485,11 +388,19 @@ pub(crate) fn frame_lattice<S: Rotational>() -> WarpEntry<S> {
         context: &Context<'_, S>,
     ) -> Result<Built<S>, ConstructError> {
         let p: FrameLatticeParameters = parse(value)?;
-        let grid = grid(&p.shape, p.bounds.as_ref(), p.margin, context)?;
-        let identity = |_| Box::new(Affine::IDENTITY) as Box<dyn Transformation<S>>;
-        let still = FrameLattice::construct(grid.clone(), (0..grid.len()).map(identity).collect())
-            .map_err(|error| located(&error))?;
-        let mut affines = vec![Affine::IDENTITY; grid.len()];
+        let placement = Placement {
+            shape: p.shape.as_deref(),
+            bounds: p.bounds.as_ref(),
+            margin: p.margin,
+            source: load("source", p.source.as_ref(), context)?,
+            target: load("target", p.target.as_ref(), context)?,
+        };
+        let Placed { grid, rest, target } = placement.place(CageKind::Frames, context)?;
+        let still: Vec<S> = rest.iter().step_by(S::DIM + 1).copied().collect();
+        let mut affines = match target {
+            Some(target) => frame_maps(&rest, &target)?,
+            None => vec![Affine::IDENTITY; grid.len()],
+        };
         for (number, edit) in p.frame.iter().enumerate() {
             let path = format!("frame.{number}");
             let chosen = choose(&format!("{path}.index"), &grid, &edit.index)?;
@@ -503,7 +414,7 @@ pub(crate) fn frame_lattice<S: Rotational>() -> WarpEntry<S> {
             };
             let linear = turn_and_scale::<S>(&path, edit.turn, edit.axis.as_ref(), edit.scale)?;
             for flat in chosen {
-                let centre = affines[flat].apply(still.control_point(flat));
+                let centre = affines[flat].apply(still[flat]);
                 affines[flat] = Affine::about(centre, linear, by).after(&affines[flat]);
             }
         }
@@ -513,7 +424,7 @@ pub(crate) fn frame_lattice<S: Rotational>() -> WarpEntry<S> {
             transformations.push(match scaling {
                 Scaling::Displacement => Box::new(*affine),
                 Scaling::Composition => {
-                    let composed = Composed::new(*affine, still.control_point(flat));
+                    let composed = Composed::new(*affine, still[flat]);
                     Box::new(
                         composed
                             .map_err(|error| ConstructError::new("frame", error.to_string()))?,
