@@ -94,6 +94,16 @@ fn read(bytes: Vec<u8>, options: &ReadOptions) -> Result<Model, ReadError> {
     let header = header::parse(&bytes)?;
     let (vertex, axes, normal) = columns(&bytes, &header)?;
     let sections = measure(&bytes, &header)?;
+    // Only once it is clear that they are there.
+    let element = &header.elements[vertex];
+    if element.count >= u64::from(NONE) {
+        return Err(ReadError::new(
+            ReadErrorKind::TooLarge,
+            format!("the header announces {} vertices", element.count),
+            format!("split the model into parts of at most {}", NONE - 1),
+        )
+        .at(&bytes, element.at));
+    }
     let mut model = Model {
         bytes,
         header,
@@ -168,14 +178,6 @@ fn columns(
                 .at(bytes, element.at));
             }
         }
-    }
-    if element.count >= u64::from(NONE) {
-        return Err(ReadError::new(
-            ReadErrorKind::TooLarge,
-            format!("the header announces {} vertices", element.count),
-            format!("split the model into parts of at most {}", NONE - 1),
-        )
-        .at(bytes, element.at));
     }
     let float = |name: &str| element.scalar(name).filter(|c| c.1.is_float());
     let normal = match (float("nx"), float("ny"), float("nz")) {
