@@ -473,7 +473,10 @@ fn stl_joins_corners_and_recomputes_normals_of_moved_triangles() {
         let old = points(&*binary);
         let (out, _) = write(&*binary, &old, Normals::Recompute).unwrap();
         assert!(out == file);
-        let turned: Vec<DVec3> = old.iter().map(|p| DVec3::new(p.x, 0.0 - p.z, p.y)).collect();
+        let turned: Vec<DVec3> = old
+            .iter()
+            .map(|p| DVec3::new(p.x, 0.0 - p.z, p.y))
+            .collect();
         let (out, report) = write(&*binary, &turned, Normals::Recompute).unwrap();
         assert_eq!((report.moved_points, report.changed_normals), (3, 2));
         let mut expected = FACETS.map(|f| f.map(|[x, y, z]| [x, -z, y]));
@@ -878,4 +881,67 @@ fn attributes_in_ply_survive() {
     let stl = targets().iter().find(|t| t.name == "stl").unwrap();
     let error = stl.create(&geometry, &mut Vec::new()).unwrap_err();
     assert!(error.to_string().contains("no faces"), "{error}");
+}
+
+/// The fixtures of these formats in a folder.
+fn fixtures(folder: &str) -> Vec<(String, Vec<u8>)> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../tests/fixtures")
+        .join(folder);
+    let mut all: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|e| e == "ply" || e == "stl" || e == "off")
+        })
+        .map(|path| {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            (name, std::fs::read(path).unwrap())
+        })
+        .collect();
+    all.sort();
+    all
+}
+
+#[test]
+fn fixtures_keep_their_bytes_and_survive_conversion() {
+    let valid = fixtures("valid");
+    assert_eq!(valid.len(), 5);
+    for (name, bytes) in valid {
+        let document = document(&bytes);
+        assert!(name.ends_with(document.format()), "{name}");
+        let old = points(&*document);
+        let (out, _) = write(&*document, &old, Normals::Recompute).unwrap();
+        assert!(out == bytes, "{name}");
+        assert!(document.inspect().problems.is_empty(), "{name}");
+        // A point that does not move keeps its bytes, whatever the others do.
+        let mut new = old.clone();
+        new[0] += DVec3::new(0.5, 0.25, 0.125);
+        let (out, report) = write(&*document, &new, Normals::Keep).unwrap();
+        assert_eq!(report.moved_points, 1, "{name}");
+        assert_eq!(points(&*load(&out).unwrap()), new, "{name}");
+        let (out, _) = write(&*load(&out).unwrap(), &old, Normals::Keep).unwrap();
+        assert_eq!(points(&*load(&out).unwrap()), old, "{name}");
+        for format in ["ply", "obj", "off"] {
+            let (out, _) = create(&*document, format);
+            let back = self::document(&out);
+            assert_eq!(points(&*back), old, "{name} as {format}");
+            assert_eq!(faces(&*back), faces(&*document), "{name} as {format}");
+            assert_eq!(back.attribute("red"), document.attribute("red"));
+        }
+    }
+}
+
+#[test]
+fn damaged_fixtures_are_refused() {
+    let damaged = fixtures("damaged");
+    assert_eq!(damaged.len(), 4);
+    for (name, bytes) in damaged {
+        let result = read(bytes, Some(&name), &ReadOptions::default());
+        let Err(error) = result else {
+            panic!("{name} is accepted");
+        };
+        assert!(!error.what.is_empty() && !error.mend.is_empty());
+    }
 }
