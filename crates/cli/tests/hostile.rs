@@ -349,7 +349,10 @@ fn files_that_are_no_models_are_refused() {
         (
             "picture.png",
             png,
-            &["neither the content nor the name", "obj, csv"],
+            &[
+                "neither the content nor the name",
+                "ply, off, stl, obj, csv",
+            ],
         ),
         (
             "picture.obj",

@@ -1,7 +1,8 @@
 //! A file in memory: its points, what hangs on them, and how it is written once they have moved.
 
-use crate::{Inspection, WriteError};
+use crate::{Geometry, Inspection, WriteError};
 use anamorph_core::glam::{DVec2, DVec3};
+use std::borrow::Cow;
 use std::io::Write;
 
 /// A file that has been read: points to move, and every byte needed to write it again.
@@ -49,13 +50,20 @@ pub trait Document: Send + Sync {
     }
     /// Counts, bounds, attributes and problems.
     fn inspect(&self) -> Inspection;
-    /// Writes the document with its points moved. A point that has not moved (bit for bit) keeps its bytes, a moved one
-    /// gets the shortest numbers that read back to exactly the new position, and nothing else changes but the normals that
-    /// [`Moved::normals`] says.
+    /// The model without its file, with its points moved, to be written in another format.
     ///
     /// # Errors
-    /// [`WriteError::Mismatch`] and [`WriteError::NonFinite`] before anything is written; [`WriteError::Output`] when
-    /// `out` fails, with a part written.
+    /// [`WriteError::Mismatch`] and [`WriteError::NonFinite`].
+    fn geometry(&self, moved: &Moved<'_>) -> Result<Geometry, WriteError> {
+        Geometry::of(self, moved)
+    }
+    /// Writes the document with its points moved. A point that has not moved (bit for bit) keeps its bytes, a moved one
+    /// gets the shortest numbers that read back to exactly the new position (rounded once to 32 bits, where the file says
+    /// that its numbers have so many), and nothing else changes but the normals that [`Moved::normals`] says.
+    ///
+    /// # Errors
+    /// [`WriteError::Mismatch`], [`WriteError::NonFinite`] and [`WriteError::DoesNotFit`] before anything is written;
+    /// [`WriteError::Output`] when `out` fails, with a part written.
     fn write(&self, moved: &Moved<'_>, out: &mut dyn Write) -> Result<WriteReport, WriteError>;
 }
 
@@ -88,6 +96,13 @@ impl Points<'_> {
         match self {
             Self::Plane(_) => 2,
             Self::Solid(_) => 3,
+        }
+    }
+    /// The points in space; those of the plane get z = 0.
+    pub(crate) fn solid(&self) -> Cow<'_, [DVec3]> {
+        match self {
+            Self::Plane(points) => points.iter().map(|p| p.extend(0.0)).collect(),
+            Self::Solid(points) => Cow::Borrowed(points),
         }
     }
     fn space(&self) -> &'static str {

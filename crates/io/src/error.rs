@@ -24,6 +24,10 @@ pub enum ReadErrorKind {
     Header,
     /// A quoted field is not closed.
     Quote,
+    /// The file ends before what it announces.
+    Truncated,
+    /// A variant of the format that is not read.
+    Unsupported,
     /// There are more points than the 2³² that an index can tell apart.
     TooLarge,
 }
@@ -110,6 +114,14 @@ pub enum WriteError {
         first: usize,
         /// How many there are.
         count: usize,
+    },
+    /// A number does not fit the type that the file, or the format to be written, has for it.
+    #[error("{what}; {mend}")]
+    DoesNotFit {
+        /// What does not fit where, in words.
+        what: String,
+        /// How to mend it, in words.
+        mend: &'static str,
     },
     /// The receiver of the bytes failed.
     #[error("the output could not be written: {0}")]

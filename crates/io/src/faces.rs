@@ -36,6 +36,10 @@ impl Faces {
     pub(crate) fn normals(&self, face: usize) -> &[u32] {
         self.normals.get(self.range(face)).unwrap_or(&[])
     }
+    /// Where each face's corners end.
+    pub(crate) fn ends(&self) -> &[usize] {
+        &self.ends
+    }
     /// Makes the corners pushed since the last call a face.
     pub(crate) fn close(&mut self) {
         self.ends.push(self.vertices.len());

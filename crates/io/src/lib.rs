@@ -27,18 +27,22 @@
 //! With the feature `parallel` large files are scanned and written on all cores, with the same result bit for bit.
 
 mod document;
+mod elements;
 mod error;
 mod faces;
 mod format;
 mod formats;
+mod geometry;
 mod inspect;
 mod normals;
 mod number;
+mod patch;
 mod registry;
 mod text;
 
 pub use document::{Document, Mesh, Moved, NormalMap, Normals, Points, WriteReport};
 pub use error::{ReadError, ReadErrorKind, WriteError};
 pub use format::{Companions, Format, NoCompanions, ReadOptions, Recognition};
+pub use geometry::{Create, Geometry, Lost, Target, Values};
 pub use inspect::{Inspection, Problem, ProblemKind};
-pub use registry::{find, formats, read, read_with};
+pub use registry::{find, formats, read, read_with, targets};

@@ -3,6 +3,9 @@
 //! *Source*: G. Thürmer and C. A. Wüthrich, "Computing Vertex Normals from Polygonal Facets", Journal of Graphics Tools
 //! 3(1), 1998: weighted by angle, the normal of a vertex does not depend on how its faces are cut into triangles.
 
+use crate::Normals;
+use crate::faces::Faces;
+use crate::text;
 use anamorph_core::glam::DVec3;
 use anamorph_core::math;
 
@@ -77,6 +80,96 @@ impl Mean {
             self.only
         }
     }
+}
+
+/// Values that differ by less than this, relative to their largest coordinate, are one: far below what files store, and
+/// above rounding.
+const AGREE: f64 = 1e-12;
+
+/// Whether two vectors are the same bit for bit.
+pub(crate) fn same(a: DVec3, b: DVec3) -> bool {
+    a.to_array().map(f64::to_bits) == b.to_array().map(f64::to_bits)
+}
+
+/// Vertices evaluated together.
+const BATCH: usize = 1 << 14;
+
+/// The normals of a file that stores one a vertex, after the move, and the number of those for which there should have been
+/// a new one but was none. A normal for which nothing changed keeps its bits.
+pub(crate) fn per_vertex(
+    old: Vec<DVec3>,
+    positions: &[DVec3],
+    moved: &[DVec3],
+    faces: impl FnOnce() -> Faces,
+    policy: Normals<'_>,
+) -> (Vec<DVec3>, usize) {
+    let mut new = old;
+    // The value to write, and whether there should have been another.
+    let settle = |old: DVec3, value: Option<DVec3>| match value {
+        Some(value) if value.is_finite() && value != DVec3::ZERO => {
+            let close = (old - value).abs().max_element() <= AGREE * old.abs().max_element();
+            (if close { old } else { value }, false)
+        }
+        _ => (old, true),
+    };
+    let kept = match policy {
+        Normals::Keep => 0,
+        Normals::Transform(map) => {
+            let runs = text::runs(new.len(), BATCH);
+            let parts = text::map(&runs, |run| {
+                let mut kept = 0;
+                let values: Vec<DVec3> = run
+                    .clone()
+                    .map(|v| {
+                        let old = new[v];
+                        if !old.is_finite() || !positions[v].is_finite() {
+                            return old;
+                        }
+                        let (value, failed) = settle(old, Some(map(v, old)));
+                        kept += usize::from(failed);
+                        value
+                    })
+                    .collect();
+                (values, kept)
+            });
+            let mut kept = 0;
+            let mut all = Vec::with_capacity(new.len());
+            for (values, failed) in parts {
+                all.extend(values);
+                kept += failed;
+            }
+            new = all;
+            kept
+        }
+        Normals::Recompute => {
+            let faces = faces();
+            let mut means = vec![Mean::default(); new.len()];
+            let mut touched = vec![false; new.len()];
+            for f in 0..faces.len() {
+                let face = faces.vertices(f);
+                let moves = face
+                    .iter()
+                    .any(|&v| !same(positions[v as usize], moved[v as usize]));
+                let normal = unit_normal(face, moved);
+                for (i, &v) in face.iter().enumerate() {
+                    touched[v as usize] |= moves;
+                    if let Some(normal) = normal {
+                        means[v as usize].add(normal, angle(face, i, moved));
+                    }
+                }
+            }
+            let mut kept = 0;
+            for (v, normal) in new.iter_mut().enumerate() {
+                if touched[v] && normal.is_finite() {
+                    let (value, failed) = settle(*normal, means[v].result());
+                    *normal = value;
+                    kept += usize::from(failed);
+                }
+            }
+            kept
+        }
+    };
+    (new, kept)
 }
 
 #[cfg(test)]

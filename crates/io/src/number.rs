@@ -123,6 +123,24 @@ pub(crate) fn write(value: f64, out: &mut Vec<u8>) {
     out.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
 }
 
+/// Appends the shortest text that reads back to exactly the 32-bit `value`, which must be finite.
+pub(crate) fn write_single(value: f32, out: &mut Vec<u8>) {
+    let mut buffer = zmij::Buffer::new();
+    let text = buffer.format(value);
+    out.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
+}
+
+/// As [`write`], also for NaN (`nan`) and infinities (`inf`, `-inf`).
+pub(crate) fn write_any(value: f64, out: &mut Vec<u8>) {
+    if value.is_finite() {
+        write(value, out);
+    } else if value.is_nan() {
+        out.extend_from_slice(b"nan");
+    } else {
+        out.extend_from_slice(if value > 0.0 { b"inf" } else { b"-inf" });
+    }
+}
+
 /// Appends a whole number.
 pub(crate) fn write_whole(value: u64, out: &mut Vec<u8>) {
     let mut digits = [0u8; 20];

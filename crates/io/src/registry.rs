@@ -1,11 +1,57 @@
 //! All formats, and how the right one is found: by content first, by the extension of the name second.
 
-use crate::{Companions, Document, Format, ReadError, ReadErrorKind, ReadOptions, Recognition};
+use crate::formats as all;
+use crate::{
+    Companions, Document, Format, ReadError, ReadErrorKind, ReadOptions, Recognition, Target,
+};
 
 /// One line for each format. Earlier ones win where two are equally sure.
 static FORMATS: &[&dyn Format] = &[
-    &crate::formats::obj::Obj, //
-    &crate::formats::csv::Csv,
+    &all::ply::Ply, //
+    &all::off::Off,
+    &all::stl::Stl,
+    &all::obj::Obj,
+    &all::csv::Csv,
+];
+
+/// One line for each format that can be written anew.
+static TARGETS: &[Target] = &[
+    Target {
+        name: "obj",
+        title: "Wavefront OBJ",
+        extensions: &["obj"],
+        create: all::obj::create,
+    },
+    Target {
+        name: "ply",
+        title: "PLY, binary",
+        extensions: &["ply"],
+        create: all::ply::create,
+    },
+    Target {
+        name: "stl",
+        title: "STL, binary",
+        extensions: &["stl"],
+        create: all::stl::create,
+    },
+    Target {
+        name: "off",
+        title: "OFF",
+        extensions: &["off"],
+        create: all::off::create,
+    },
+    Target {
+        name: "csv",
+        title: "CSV points",
+        extensions: &["csv"],
+        create: all::csv::create,
+    },
+    Target {
+        name: "glb",
+        title: "binary glTF 2.0",
+        extensions: &["glb"],
+        create: all::gltf_create::create,
+    },
 ];
 
 /// How much of a file is looked at to recognise it. Comments at the beginning of a file may be long.
@@ -15,6 +61,12 @@ const HEAD: usize = 1 << 16;
 #[must_use]
 pub fn formats() -> &'static [&'static dyn Format] {
     FORMATS
+}
+
+/// All formats that a [`Geometry`](crate::Geometry) can be written in.
+#[must_use]
+pub fn targets() -> &'static [Target] {
+    TARGETS
 }
 
 /// The format of a file from its beginning (or all) and, where that does not decide, the extension of its name. A file

@@ -79,6 +79,33 @@ pub(crate) fn map<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> 
     items.iter().map(f).collect()
 }
 
+/// Calls `f` with each run of `size` items (the last may be shorter) and the index of its first item; on all cores with the
+/// feature `parallel`.
+#[cfg(feature = "parallel")]
+pub(crate) fn fill<T: Send>(items: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) + Sync) {
+    use rayon::prelude::*;
+    items
+        .par_chunks_mut(size)
+        .enumerate()
+        .for_each(|(i, run)| f(i * size, run));
+}
+
+/// Calls `f` with each run of `size` items (the last may be shorter) and the index of its first item.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn fill<T: Send>(items: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) + Sync) {
+    for (i, run) in items.chunks_mut(size).enumerate() {
+        f(i * size, run);
+    }
+}
+
+/// The ranges of `size` (the last may be shorter) that make up `0..count`.
+pub(crate) fn runs(count: usize, size: usize) -> Vec<core::ops::Range<usize>> {
+    (0..count)
+        .step_by(size)
+        .map(|start| start..count.min(start + size))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

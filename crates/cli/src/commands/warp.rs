@@ -12,7 +12,7 @@ use anamorph_core::{
     Bounds, Deformation, Domain, Linear, Plane, Solid, Space, carry_normal, carry_tangent,
     map_all_parallel,
 };
-use anamorph_io::{Document, Moved, Normals, Points, ReadOptions, WriteReport};
+use anamorph_io::{Document, Lost, Moved, Normals, Points, ReadOptions, WriteReport};
 use anamorph_recipe::{BuiltRecipe, Recipe};
 use serde_json::{Value, json};
 use std::collections::HashSet;
@@ -205,25 +205,33 @@ fn warp_all(
     }
 }
 
-/// Refuses a name that promises another format than the one that will be written: formats are not converted.
-fn refuse_other_format(job: &Job, document: &dyn Document) -> Result<(), Failure> {
+/// The format that the name of the output asks for, where it is another than the document's: `None` keeps the file's own.
+fn conversion(
+    job: &Job,
+    document: &dyn Document,
+) -> Result<Option<&'static anamorph_io::Target>, Failure> {
     let Some(extension) = job.output.extension().and_then(|e| e.to_str()) else {
-        return Ok(());
+        return Ok(None);
     };
-    let other = anamorph_io::formats().iter().find(|format| {
-        let mut known = format.extensions().iter();
-        format.name() != document.format() && known.any(|e| e.eq_ignore_ascii_case(extension))
-    });
-    match other {
-        None => Ok(()),
-        Some(other) => Err(Failure::new(format!(
-            "{}: the model is {} and would not become {}; formats are not converted, so name the output .{}",
+    let extension = extension.to_ascii_lowercase();
+    let has = |known: &[&str]| known.contains(&extension.as_str());
+    let other = anamorph_io::formats().iter().find(|f| has(f.extensions()));
+    if other.is_some_and(|format| format.name() == document.format()) {
+        return Ok(None);
+    }
+    let target = anamorph_io::targets().iter().find(|t| has(t.extensions));
+    if let (None, Some(other)) = (target, other) {
+        let names: Vec<&str> = anamorph_io::targets().iter().map(|t| t.name).collect();
+        return Err(Failure::new(format!(
+            "{}: the model is {} and cannot become {}; name the output .{}, or one of these: .{}",
             job.output.display(),
             document.format().to_uppercase(),
             other.name().to_uppercase(),
-            document.format()
-        ))),
+            document.format(),
+            names.join(", .")
+        )));
     }
+    Ok(target)
 }
 
 fn warp_one(
@@ -237,10 +245,14 @@ fn warp_one(
     }
     let read_options = ReadOptions::default().allow_nonfinite(options.allow_nonfinite);
     let document = model::read(&job.model, &read_options)?;
-    refuse_other_format(job, document.as_ref())?;
+    let target = conversion(job, document.as_ref())?;
     match document.points() {
-        Points::Plane(_) => warp_document::<Plane>(job, recipe, beside, options, document.as_ref()),
-        Points::Solid(_) => warp_document::<Solid>(job, recipe, beside, options, document.as_ref()),
+        Points::Plane(_) => {
+            warp_document::<Plane>(job, recipe, beside, options, document.as_ref(), target)
+        }
+        Points::Solid(_) => {
+            warp_document::<Solid>(job, recipe, beside, options, document.as_ref(), target)
+        }
     }
 }
 
@@ -250,6 +262,7 @@ fn warp_document<S: ModelSpace>(
     beside: &RecipeFiles,
     options: &WarpOptions,
     document: &dyn Document,
+    target: Option<&'static anamorph_io::Target>,
 ) -> Result<(), Failure> {
     let name = files::shown(&job.model);
     let rest = S::points(document.points()).unwrap_or_default();
@@ -296,7 +309,7 @@ fn warp_document<S: ModelSpace>(
     }
     let policy = normals_policy(document, &built, options);
     let mut report = WriteReport::default();
-    let mut refused = None;
+    let (mut lost, mut refused) = (Lost::default(), None);
     let written = model_file.fill(|out| {
         let solid = S::DIM == 3;
         let carry = |vertex: usize, normal: Solid| {
@@ -328,7 +341,14 @@ fn warp_document<S: ModelSpace>(
         if matches!(normals, Normals::Transform(_)) {
             wrapped = wrapped.with_tangents(&carry_along);
         }
-        match document.write(&wrapped, out) {
+        let written = match target {
+            None => document.write(&wrapped, out),
+            Some(target) => document.geometry(&wrapped).and_then(|geometry| {
+                lost = target.create(&geometry, out)?;
+                Ok(converted(rest, &moved, report))
+            }),
+        };
+        match written {
             Ok(done) => report = done,
             Err(anamorph_io::WriteError::Output(error)) => return Err(error),
             Err(error) => refused = Some(Failure::new(format!("{name}: {error}"))),
@@ -340,9 +360,12 @@ fn warp_document<S: ModelSpace>(
     }
     written?;
     if let Some(file) = &mut report_file {
-        let value = report_json(
+        let mut value = report_json(
             job, options, document, &built, rest, &moved, &report, policy, size,
         );
+        if let Some(target) = target {
+            value["conversion"] = json!({ "to": target.name, "lost": lost.0 });
+        }
         let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
         file.fill(|out| writeln!(out, "{text}"))?;
     }
@@ -353,6 +376,18 @@ fn warp_document<S: ModelSpace>(
     )?;
     if !options.quiet {
         summary(job, &built, rest.len(), &report, policy);
+        for note in document.notes() {
+            say!("  note: {note}");
+        }
+        if let Some(target) = target {
+            say!("  converted to {}", target.title);
+            if !lost.is_empty() {
+                say!(
+                    "  warning: {} cannot hold: {lost}",
+                    target.name.to_uppercase()
+                );
+            }
+        }
         if !built.parts.is_empty() {
             if report.moved_points == 0 {
                 say!(
@@ -364,6 +399,16 @@ fn warp_document<S: ModelSpace>(
         }
     }
     Ok(())
+}
+
+/// What a conversion did: how many points moved; its normals are all new.
+fn converted<S: Space>(rest: &[S], moved: &[S], report: WriteReport) -> WriteReport {
+    let differs = |(a, b): &(&S, &S)| {
+        (0..S::DIM).any(|axis| a.component(axis).to_bits() != b.component(axis).to_bits())
+    };
+    let mut report = report;
+    report.moved_points = rest.iter().zip(moved).filter(differs).count();
+    report
 }
 
 /// What happens to the normals stored in a file.

@@ -6,6 +6,10 @@
 //! without in the plane. Every other column, quote, blank and line end is kept to the byte, and columns that hold nothing
 //! but numbers are attributes. A decimal comma is refused, never guessed at.
 
+mod create;
+
+pub(crate) use create::create;
+
 use crate::inspect::{Finding, First, bounds, coincident};
 use crate::number;
 use crate::text::{BYTE_ORDER_MARK, encoding_error, excerpt, is_wide, place};

@@ -15,6 +15,7 @@
 //! chunks' counts are kept beside the bytes; faces are checked while scanning and read again when someone asks for them.
 
 mod check;
+mod geometry;
 mod inspect;
 mod normals;
 mod scan;
@@ -22,11 +23,13 @@ mod scan;
 mod tests;
 mod write;
 
+pub(crate) use geometry::create;
+
 use crate::faces::{Faces, NONE};
 use crate::text;
 use crate::{
-    Document, Format, Inspection, Mesh, Moved, Points, ReadError, ReadOptions, Recognition,
-    WriteError, WriteReport,
+    Document, Format, Geometry, Inspection, Mesh, Moved, Points, ReadError, ReadOptions,
+    Recognition, WriteError, WriteReport,
 };
 use anamorph_core::glam::DVec3;
 use core::ops::Range;
@@ -484,6 +487,10 @@ impl Document for Text {
 
     fn inspect(&self) -> Inspection {
         inspect::inspect(self)
+    }
+
+    fn geometry(&self, moved: &Moved<'_>) -> Result<Geometry, WriteError> {
+        geometry::geometry(self, moved)
     }
 
     fn write(&self, moved: &Moved<'_>, out: &mut dyn Write) -> Result<WriteReport, WriteError> {

@@ -113,7 +113,7 @@ pub(super) fn plan(text: &Text, moved: &[DVec3], policy: Normals<'_>) -> Option<
 }
 
 /// The normals of the file.
-fn stored(text: &Text) -> Vec<DVec3> {
+pub(super) fn stored(text: &Text) -> Vec<DVec3> {
     let parts = text::map(&text.chunks, |chunk| -> Vec<DVec3> {
         let lines = text
             .statements(chunk)
