@@ -5,6 +5,7 @@
 //! | `cargo xtask test` | everything that decides whether a change is good: format, clippy, tests and doc tests, documentation, the feature matrix, `wasm32` where that target is installed, and `tidy` ([`mod@test`]) |
 //! | `cargo xtask tidy` | the rules of the house that no compiler checks: floors, documented plug-ins, licences of fixtures and others ([`mod@tidy`]) |
 //! | `cargo xtask bench [--quick] [FILTER…]` | measures, and writes `docs/benchmarks.md` with ratios inside the run ([`mod@bench`]) |
+//! | `cargo xtask gallery` | draws every warp, and refreshes `docs/gallery.md` and its pictures ([`mod@gallery`]) |
 //!
 //! Without a chore, or with an unknown one, it prints its usage and exits with 2; a chore that fails exits with 1.
 //!
@@ -19,6 +20,7 @@
 
 pub mod bench;
 pub mod document;
+pub mod gallery;
 pub mod test;
 pub mod tidy;
 
@@ -26,7 +28,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Every chore, in the order of the usage text.
-pub const CHORES: &[Chore] = &[test::CHORE, tidy::CHORE, bench::CHORE];
+pub const CHORES: &[Chore] = &[test::CHORE, tidy::CHORE, bench::CHORE, gallery::CHORE];
 
 /// One chore: what it is called and what it does.
 #[derive(Clone, Copy)]

@@ -11,6 +11,9 @@ pub struct Entry<S: Space, T> {
     pub kind: &'static str,
     /// The row of the inventory of systems it covers, such as `B3`; empty for ingredients.
     pub system: &'static str,
+    /// Where Milliron et al., *A Framework for Geometric Warps and Deformations*, 2002, has it: section and figure; empty for
+    /// ingredients and for warps that the paper does not know.
+    pub figure: &'static str,
     /// What it does, in one line.
     pub summary: &'static str,
     /// Where it comes from: authors, title, venue, year.

@@ -28,6 +28,8 @@ pub(crate) enum Command {
     Check(CheckOptions),
     /// List what can be named: warps, fields, falloffs, formats
     List(ListOptions),
+    /// Draw a page of every warp: before and after, recipe, promises
+    Gallery(GalleryOptions),
     /// Print the JSON Schema of recipes, for editors
     Schema,
     /// Print completions for a shell
@@ -60,8 +62,12 @@ pub(crate) struct WarpOptions {
     #[arg(long, value_name = "FILE.json")]
     pub report: Option<PathBuf>,
     /// Draw the model before and after, with the warp's features (a folder for several models)
-    #[arg(long, value_name = "PNG")]
+    #[arg(long, value_name = "PICTURE")]
     pub preview: Option<PathBuf>,
+    /// Make the preview a film of that many pictures, in which the camera goes once round the model; GIF or APNG by its
+    /// extension (.gif, .apng, .png)
+    #[arg(long, value_name = "PICTURES", requires = "preview", value_parser = parse_pictures, help_heading = "Preview")]
+    pub turntable: Option<usize>,
     #[command(flatten)]
     pub view: ViewOptions,
     /// Threads to use, 1 to 1024; as many as the machine has if left out. Results do not depend on it
@@ -199,9 +205,9 @@ pub(crate) struct ViewOptions {
         help_heading = "Preview"
     )]
     pub up: UpAxis,
-    /// Size of the preview in pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", requires = "preview", value_parser = parse_size, help_heading = "Preview")]
-    pub size: (u32, u32),
+    /// Size of the preview in pixels; 1600x900 if left out, 960x540 for a turntable
+    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "preview", value_parser = parse_size, help_heading = "Preview")]
+    pub size: Option<(u32, u32)>,
     /// Colours of the preview
     #[arg(
         long,
@@ -250,6 +256,17 @@ fn parse_threads(text: &str) -> Result<usize, String> {
         .ok_or_else(|| format!("write a whole number from 1 to {MOST_THREADS}"))
 }
 
+/// More pictures than this and a full turn is finer than any screen shows.
+const MOST_PICTURES: usize = 720;
+
+fn parse_pictures(text: &str) -> Result<usize, String> {
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|pictures| (2..=MOST_PICTURES).contains(pictures))
+        .ok_or_else(|| format!("write a whole number from 2 to {MOST_PICTURES}"))
+}
+
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let wrong = || "write the size as WIDTHxHEIGHT in pixels, such as 1600x900".to_owned();
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
@@ -293,6 +310,25 @@ pub(crate) struct CheckOptions {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// Draw a page of every warp: before and after, recipe, promises.
+///
+/// The page is a folder of plain files that needs no network: open `index.html` in a browser.
+#[derive(Debug, Args)]
+pub(crate) struct GalleryOptions {
+    /// The folder for the page; it is made if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Size of the pictures in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x600", value_parser = parse_size)]
+    pub size: (u32, u32),
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Replace files that exist
+    #[arg(short, long)]
+    pub force: bool,
 }
 
 /// List what can be named in recipes and on the command line.

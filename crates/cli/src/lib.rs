@@ -10,6 +10,7 @@ mod arguments;
 mod commands;
 mod error;
 mod files;
+mod gallery;
 mod meshes;
 mod model;
 mod picture;
@@ -45,6 +46,7 @@ where
         Command::Inspect(options) => commands::inspect::run(&options),
         Command::Check(options) => commands::check::run(&options),
         Command::List(options) => commands::list::run(&options),
+        Command::Gallery(options) => gallery::run(&options),
         Command::Schema => commands::schema::run(),
         Command::Completions { shell } => commands::shell::completions(shell),
         Command::Man => commands::shell::man(),

@@ -36,6 +36,18 @@ impl RecipeFiles {
         }
     }
 
+    /// Files that come with the program, by name.
+    pub(crate) fn embedded(files: &[(&str, &[u8])]) -> Self {
+        let known = files
+            .iter()
+            .map(|(name, bytes)| ((*name).to_owned(), parsed(name, bytes.to_vec())));
+        Self {
+            folder: PathBuf::from("."),
+            allow_outside: false,
+            known: Mutex::new(known.collect()),
+        }
+    }
+
     /// Refuses to write to a file that the recipe has read.
     pub(crate) fn refuse_replacing<'a>(
         &self,
@@ -77,23 +89,28 @@ impl RecipeFiles {
             Failure::Message(text) => text,
             _ => format!("cannot read {name}"),
         })?;
-        let comments = comments(&bytes);
-        let document = anamorph_io::read(bytes, Some(name), &ReadOptions::default())
-            .map_err(|error| format!("{name}: {error}"))?;
-        let visible = document.visible();
-        let points = match document.points() {
-            Points::Plane(points) => points.iter().map(|p| p.extend(0.0)).take(visible).collect(),
-            Points::Solid(points) => points.iter().take(visible).copied().collect::<Vec<DVec3>>(),
-        };
-        let mesh = document.mesh().unwrap_or_default();
-        Ok(Arc::new(FeatureMesh {
-            dimension: document.points().dimension(),
-            points,
-            lines: mesh.lines,
-            triangles: mesh.triangles,
-            comments,
-        }))
+        parsed(name, bytes)
     }
+}
+
+/// A file as warps read it.
+fn parsed(name: &str, bytes: Vec<u8>) -> Read {
+    let comments = comments(&bytes);
+    let document = anamorph_io::read(bytes, Some(name), &ReadOptions::default())
+        .map_err(|error| format!("{name}: {error}"))?;
+    let visible = document.visible();
+    let points = match document.points() {
+        Points::Plane(points) => points.iter().map(|p| p.extend(0.0)).take(visible).collect(),
+        Points::Solid(points) => points.iter().take(visible).copied().collect::<Vec<DVec3>>(),
+    };
+    let mesh = document.mesh().unwrap_or_default();
+    Ok(Arc::new(FeatureMesh {
+        dimension: document.points().dimension(),
+        points,
+        lines: mesh.lines,
+        triangles: mesh.triangles,
+        comments,
+    }))
 }
 
 /// The comments at the beginning of a file of text.

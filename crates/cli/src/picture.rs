@@ -1,21 +1,26 @@
 //! The preview of a warp: the model before and after, with the features of the warps.
 
 use crate::arguments::{Side, ThemeName, UpAxis, ViewOptions};
+use crate::error::Failure;
 use crate::model::ModelSpace;
 use anamorph_core::{Deformation, Domain, Mark, Role, Shape, Site};
-use anamorph_io::Document;
-use anamorph_preview::{Camera, Model, Options, Panel, PreviewError, Theme, Up, before_after};
+use anamorph_io::{Document, Mesh};
+use anamorph_preview::{
+    Animation, AnimationFormat, Camera, Model, Options, Panel, Picture, PreviewError, Theme, Up,
+    before_after,
+};
 use anamorph_recipe::BuiltRecipe;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::io::Write;
+use std::path::Path;
 
-/// Options of the preview crate from those of the command line.
-fn options(view: &ViewOptions) -> Options {
-    let camera = Camera::default().with_up(match view.up {
-        UpAxis::X => Up::X,
-        UpAxis::Y => Up::Y,
-        UpAxis::Z => Up::Z,
-    });
-    let camera = match view.view {
+/// The camera that looks from a side.
+pub(crate) fn camera(side: Side) -> Camera {
+    from_side(Camera::default(), side)
+}
+
+fn from_side(camera: Camera, side: Side) -> Camera {
+    match side {
         Side::ThreeQuarter => camera,
         Side::BackQuarter => camera.from_behind(),
         Side::Front => camera.at(0.0, 0.0),
@@ -23,23 +28,69 @@ fn options(view: &ViewOptions) -> Options {
         Side::Left => camera.at(-FRAC_PI_2, 0.0),
         Side::Right => camera.at(FRAC_PI_2, 0.0),
         Side::Top => camera.at(0.0, FRAC_PI_2),
-    };
+    }
+}
+
+/// Options of the preview crate from those of the command line.
+fn options(view: &ViewOptions, turning: bool) -> Options {
+    let camera = Camera::default().with_up(match view.up {
+        UpAxis::X => Up::X,
+        UpAxis::Y => Up::Y,
+        UpAxis::Z => Up::Z,
+    });
+    let camera = from_side(camera, view.view);
     let theme = match view.theme {
         ThemeName::Light => Theme::Light,
         ThemeName::Dark => Theme::Dark,
     };
+    let usual = if turning { (960, 540) } else { (1600, 900) };
+    let (width, height) = view.size.unwrap_or(usual);
     Options {
-        width: view.size.0,
-        height: view.size.1,
+        width,
+        height,
         theme,
         camera,
+        turning,
         ..Options::default()
     }
 }
 
+/// What kind of picture is asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Kind {
+    /// One picture, PNG.
+    Still,
+    /// Pictures of a camera that goes round.
+    Turntable(usize, AnimationFormat),
+}
+
+impl Kind {
+    /// From the name of the file and the number of pictures.
+    pub(crate) fn of(path: &Path, turntable: Option<usize>) -> Result<Self, Failure> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let extension = extension.as_deref().unwrap_or_default();
+        match (turntable, extension) {
+            (Some(count), "gif") => Ok(Self::Turntable(count, AnimationFormat::Gif)),
+            (Some(count), "apng" | "png") => Ok(Self::Turntable(count, AnimationFormat::Apng)),
+            (Some(_), _) => Err(Failure::usage(format!(
+                "{}: a turntable is a GIF or an APNG; name the preview .gif, .apng or .png",
+                path.display()
+            ))),
+            (None, "gif" | "apng") => Err(Failure::usage(format!(
+                "{}: a still preview is a PNG; name it .png, or ask for a film with --turntable 48",
+                path.display()
+            ))),
+            (None, _) => Ok(Self::Still),
+        }
+    }
+}
+
+/// Pictures of a turntable a second.
+const RATE: f64 = 16.0;
+
 /// Refuses a preview that could not be drawn whatever the model.
-pub(crate) fn check(view: &ViewOptions) -> Result<(), PreviewError> {
-    options(view).check()
+pub(crate) fn check(view: &ViewOptions, turning: bool) -> Result<(), PreviewError> {
+    options(view, turning).check()
 }
 
 /// The marks of a recipe: sources as the first warp sees them, targets carried on by the later warps.
@@ -91,30 +142,79 @@ fn colours(document: &dyn Document) -> Option<Vec<[f32; 3]>> {
     )
 }
 
-/// The preview as the bytes of a PNG file.
-pub(crate) fn preview<S: ModelSpace>(
-    document: &dyn Document,
-    before: &[S],
-    after: &[S],
-    built: &BuiltRecipe<S>,
-    view: &ViewOptions,
-) -> Result<Vec<u8>, PreviewError> {
-    let mesh = document.mesh().unwrap_or_default();
-    let colours = colours(document);
-    let (sources, targets) = marks(built);
-    let model = |points| {
-        let model = Model {
-            points,
-            triangles: &mesh.triangles,
-            lines: &mesh.lines,
-            colours: None,
-        };
-        match &colours {
-            Some(colours) => model.with_colours(colours),
-            None => model,
+/// A model before and after, ready to be drawn.
+pub(crate) struct Subject<'a, S: ModelSpace> {
+    mesh: Mesh,
+    colours: Option<Vec<[f32; 3]>>,
+    sources: Vec<Mark<S>>,
+    targets: Vec<Mark<S>>,
+    before: &'a [S],
+    after: &'a [S],
+}
+
+impl<'a, S: ModelSpace> Subject<'a, S> {
+    /// The visible points of `document` before and after, and the features of the recipe.
+    pub(crate) fn new(
+        document: &dyn Document,
+        before: &'a [S],
+        after: &'a [S],
+        built: &BuiltRecipe<S>,
+    ) -> Self {
+        let (sources, targets) = marks(built);
+        Self {
+            mesh: document.mesh().unwrap_or_default(),
+            colours: colours(document),
+            sources,
+            targets,
+            before,
+            after,
         }
-    };
-    let before = Panel::new(model(before)).with_marks(&sources);
-    let after = Panel::new(model(after)).with_marks(&targets);
-    before_after(&before, &after, &options(view))?.png()
+    }
+
+    /// The two panels.
+    pub(crate) fn draw(&self, options: &Options) -> Result<Picture, PreviewError> {
+        let model = |points| {
+            let model = Model {
+                points,
+                triangles: &self.mesh.triangles,
+                lines: &self.mesh.lines,
+                colours: None,
+            };
+            match &self.colours {
+                Some(colours) => model.with_colours(colours),
+                None => model,
+            }
+        };
+        let before = Panel::new(model(self.before)).with_marks(&self.sources);
+        let after = Panel::new(model(self.after)).with_marks(&self.targets);
+        before_after(&before, &after, options)
+    }
+
+    /// Writes the preview that `view` and `kind` ask for.
+    pub(crate) fn write(
+        &self,
+        view: &ViewOptions,
+        kind: Kind,
+        out: &mut dyn Write,
+    ) -> Result<(), PreviewError> {
+        match kind {
+            Kind::Still => {
+                let png = self.draw(&options(view, false))?.png()?;
+                out.write_all(&png).map_err(|error| PreviewError::Encoding {
+                    reason: error.to_string(),
+                })
+            }
+            Kind::Turntable(count, format) => {
+                let options = options(view, true);
+                let mut animation = Animation::new(out, format, count, RATE)?;
+                for step in 0..count {
+                    #[allow(clippy::cast_precision_loss)]
+                    let angle = step as f64 / count as f64 * TAU;
+                    let camera = options.camera.turned(angle);
+                    animation.push(&self.draw(&Options { camera, ..options })?)?;
+                }
+                animation.finish()
+            }
+        }
+    }
 }

@@ -199,6 +199,7 @@ fn radial<S: Space>() -> FieldEntry<S> {
     Entry {
         kind: "radial",
         system: "",
+        figure: "",
         summary: "falls from 1 at a centre to 0 at a radius",
         reference: FRAMEWORK,
         example: "centre = \"50%\"\nradius = \"30%\"\n",
@@ -240,6 +241,7 @@ fn boxed<S: Space>() -> FieldEntry<S> {
     Entry {
         kind: "box",
         system: "",
+        figure: "",
         summary: "1 inside an axis-parallel box, falling to 0 over a margin around it",
         reference: FRAMEWORK,
         example: "min = \"25%\"\nmax = \"75%\"\nmargin = \"10%\"\n",
@@ -276,6 +278,7 @@ fn half_space<S: Space>() -> FieldEntry<S> {
     Entry {
         kind: "half-space",
         system: "",
+        figure: "",
         summary: "1 on one side of a plane, falling to 0 over a width on the other",
         reference: FRAMEWORK,
         example: "point = \"50%\"\nnormal = \"y\"\nwidth = \"20%\"\n",
@@ -313,6 +316,7 @@ fn axis<S: Space>() -> FieldEntry<S> {
     Entry {
         kind: "axis",
         system: "",
+        figure: "",
         summary: "rises from 0 to 1 along an axis, or follows a curve drawn by points",
         reference: FRAMEWORK,
         example: "axis = \"y\"\nrange = [\"20%\", \"80%\"]\n",
@@ -372,6 +376,7 @@ fn attribute<S: Space>() -> FieldEntry<S> {
     Entry {
         kind: "attribute",
         system: "",
+        figure: "",
         summary: "a per-vertex attribute of the model; it has no derivative in space",
         reference: FRAMEWORK,
         example: "name = \"weight\"\n",
@@ -412,6 +417,7 @@ fn product<S: Space>() -> FieldEntry<S> {
     Entry {
         kind: "product",
         system: "",
+        figure: "",
         summary: "the product of fields",
         reference: FRAMEWORK,
         example: "of = [0.5, { field = \"axis\", axis = \"y\" }]\n",
@@ -439,6 +445,7 @@ fn complement<S: Space>() -> FieldEntry<S> {
     Entry {
         kind: "complement",
         system: "",
+        figure: "",
         summary: "one minus a field",
         reference: FRAMEWORK,
         example: "of = { field = \"radial\", centre = \"50%\", radius = \"30%\" }\n",

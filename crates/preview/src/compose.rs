@@ -117,6 +117,8 @@ impl Studio {
         let placed = everything().map(|point| frame.place(point));
         let view = if S::FLAT {
             View::fit_plane(size, placed)
+        } else if options.turning {
+            View::fit_turning(&options.camera, size, placed)
         } else {
             View::fit(&options.camera, size, placed)
         };

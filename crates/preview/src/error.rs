@@ -46,6 +46,39 @@ pub enum PreviewError {
         /// What it may be.
         mend: &'static str,
     },
+    /// A picture of an animation has another size than the first.
+    #[error(
+        "picture {index} of the animation has {width} × {height} pixels where the first has {expected_width} × \
+         {expected_height}; give all of them one size"
+    )]
+    Frame {
+        /// Which picture, from 0.
+        index: usize,
+        /// Its width in pixels.
+        width: u32,
+        /// Its height in pixels.
+        height: u32,
+        /// Width of the first.
+        expected_width: u32,
+        /// Height of the first.
+        expected_height: u32,
+    },
+    /// An animation needs pictures and a rate.
+    #[error("an animation of {count} pictures at {rate} a second cannot be made; {mend}")]
+    Animation {
+        /// How many pictures were announced.
+        count: usize,
+        /// Pictures a second.
+        rate: f64,
+        /// What may be given.
+        mend: &'static str,
+    },
+    /// The animation could not be written.
+    #[error("the animation could not be encoded: {reason}; fewer or smaller pictures may work")]
+    Encoding {
+        /// What the encoder said.
+        reason: String,
+    },
     /// The pixels could not be written as PNG.
     #[error("the picture could not be encoded as PNG: {reason}; a smaller picture may work")]
     Png {

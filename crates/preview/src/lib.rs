@@ -29,6 +29,7 @@
 //! # Ok::<(), anamorph_preview::PreviewError>(())
 //! ```
 
+mod animation;
 mod compose;
 mod error;
 mod light;
@@ -45,6 +46,7 @@ mod shade;
 mod shadow;
 mod view;
 
+pub use animation::{Animation, AnimationFormat};
 pub use compose::{before_after, single};
 pub use error::PreviewError;
 pub use options::{Camera, Options, Projection, Theme, Up};

@@ -101,6 +101,15 @@ impl Camera {
         }
     }
 
+    /// The same camera gone round the model by an angle in radians.
+    #[must_use]
+    pub fn turned(self, angle: f64) -> Self {
+        Self {
+            azimuth: self.azimuth + angle,
+            ..self
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<(), PreviewError> {
         if !self.azimuth.is_finite() {
             return Err(PreviewError::Camera {
@@ -142,6 +151,9 @@ pub struct Options {
     pub camera: Camera,
     /// Samples along each side of a pixel, 1 to 8: 3 means that a pixel is the mean of 9.
     pub samples: u32,
+    /// Whether the picture has room for the model seen from every azimuth, so that a series of pictures of a camera that
+    /// goes round does not jump.
+    pub turning: bool,
 }
 
 impl Default for Options {
@@ -153,6 +165,7 @@ impl Default for Options {
             theme: Theme::Light,
             camera: Camera::default(),
             samples: 3,
+            turning: false,
         }
     }
 }

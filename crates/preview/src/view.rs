@@ -161,6 +161,40 @@ impl View {
         view
     }
 
+    /// The tightest view of all that `points` sweep when the scene turns about its vertical axis through the origin: the same
+    /// from every azimuth but for the turn.
+    pub(crate) fn fit_turning(
+        camera: &Camera,
+        size: [usize; 2],
+        points: impl Iterator<Item = DVec3>,
+    ) -> Self {
+        /// Heights that are told apart, and azimuths of each ring: fine enough to be off by less than a pixel.
+        const HEIGHTS: usize = 256;
+        const AZIMUTHS: u32 = 64;
+        let [right, up, front] = scene_axes(camera.up);
+        // The largest ring and the extreme heights in each slice of the frame's cube.
+        let mut slices = [None::<(f64, f64, f64)>; HEIGHTS];
+        for point in points {
+            let height = point.dot(up);
+            let radius = point.dot(right).hypot(point.dot(front));
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let slice = ((height + 1.0) * 0.5 * (HEIGHTS - 1) as f64).max(0.0) as usize;
+            let slot = &mut slices[slice.min(HEIGHTS - 1)];
+            let (largest, low, high) = slot.unwrap_or((radius, height, height));
+            *slot = Some((largest.max(radius), low.min(height), high.max(height)));
+        }
+        let rings = slices.iter().flatten();
+        let swept = rings.flat_map(|&(radius, low, high)| {
+            (0..AZIMUTHS).flat_map(move |step| {
+                let turn = f64::from(step) / f64::from(AZIMUTHS) * core::f64::consts::TAU;
+                let (sin, cos) = (camera.azimuth + turn).sin_cos();
+                let out = (front * cos + right * sin) * radius;
+                [out + up * low, out + up * high]
+            })
+        });
+        Self::fit(camera, size, swept)
+    }
+
     /// Straight from the front with `x` right and `y` up, for the plane.
     pub(crate) fn fit_plane(size: [usize; 2], points: impl Iterator<Item = DVec3>) -> Self {
         let camera = Camera {

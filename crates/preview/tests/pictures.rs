@@ -19,6 +19,7 @@ const SMALL: Options = Options {
         projection: Projection::Orthographic,
     },
     samples: 2,
+    turning: false,
 };
 
 fn sphere() -> (Vec<DVec3>, Vec<[u32; 3]>) {

@@ -137,7 +137,7 @@ fn read_if_present(path: &Path) -> Result<Option<String>, Failure> {
 }
 
 /// Where cargo builds, wherever the configuration puts it.
-fn target_folder(root: &Path) -> Result<PathBuf, Failure> {
+pub(crate) fn target_folder(root: &Path) -> Result<PathBuf, Failure> {
     let output = Command::new(crate::cargo())
         .args(["metadata", "--no-deps", "--format-version", "1"])
         .current_dir(root)

@@ -28,6 +28,7 @@ fn entry<S: Space, T>(entry: &Entry<S, T>, spaces: &[&str]) -> Row {
         json: json!({
             "kind": entry.kind,
             "system": entry.system,
+            "figure": entry.figure,
             "summary": entry.summary,
             "spaces": spaces,
             "reference": entry.reference,

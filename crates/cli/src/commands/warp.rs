@@ -62,6 +62,11 @@ fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
             "only the model can go to standard output; name files for the others",
         ));
     }
+    let picture_extension = if options.turntable.is_some() {
+        "gif"
+    } else {
+        "png"
+    };
     let jobs: Vec<Job> = options
         .models
         .iter()
@@ -92,7 +97,7 @@ fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
                 preview: options
                     .preview
                     .as_deref()
-                    .map(|path| inside(path, Some("png")))
+                    .map(|path| inside(path, Some(picture_extension)))
                     .transpose()?,
             })
         })
@@ -150,8 +155,11 @@ impl Job {
 pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     let jobs = jobs(options)?;
     if options.preview.is_some() {
-        picture::check(&options.view)
+        picture::check(&options.view, options.turntable.is_some())
             .map_err(|error| Failure::usage(format!("--size: {error}")))?;
+        for path in jobs.iter().filter_map(|job| job.preview.as_ref()) {
+            picture::Kind::of(path, options.turntable)?;
+        }
     }
     let recipe = model::read_recipe(&options.recipe, &options.set)?;
     let beside = RecipeFiles::beside(&options.recipe, options.allow_outside);
@@ -296,16 +304,20 @@ fn warp_document<S: ModelSpace>(
     let mut model_file = begin(&job.output)?;
     let mut report_file = job.report.as_ref().map(begin).transpose()?;
     let mut preview_file = job.preview.as_ref().map(begin).transpose()?;
-    if let Some(file) = &mut preview_file {
-        let png = picture::preview(
-            document,
-            &rest[..visible],
-            &moved[..visible],
-            &built,
-            &options.view,
-        )
-        .map_err(|error| Failure::new(format!("{name}: cannot draw the preview: {error}")))?;
-        file.fill(|out| out.write_all(&png))?;
+    if let (Some(file), Some(path)) = (&mut preview_file, &job.preview) {
+        let kind = picture::Kind::of(path, options.turntable)?;
+        let (before, after) = (&rest[..visible], &moved[..visible]);
+        let subject = picture::Subject::new(document, before, after, &built);
+        let mut failed = None;
+        file.fill(|out| {
+            failed = subject.write(&options.view, kind, out).err();
+            Ok(())
+        })?;
+        if let Some(error) = failed {
+            return Err(Failure::new(format!(
+                "{name}: cannot draw the preview: {error}"
+            )));
+        }
     }
     let policy = normals_policy(document, &built, options);
     let mut report = WriteReport::default();

@@ -279,6 +279,7 @@ pub(crate) fn taper<S: Space>() -> WarpEntry<S> {
     WarpEntry {
         kind: "taper",
         system: "B13",
+        figure: "§4.3.1, Fig. 12",
         summary: "scales a model across an axis by a factor that varies along it",
         reference: "A. H. Barr, Global and Local Deformations of Solid Primitives, SIGGRAPH 1984",
         example: "axis = \"y\"\nprofile = [[0, 1], [0.5, 0.55], [1, 1.1]]\n",
@@ -348,6 +349,7 @@ pub(crate) fn twist() -> WarpEntry<Solid> {
     WarpEntry {
         kind: "twist",
         system: "B13",
+        figure: "§4.3.2",
         summary: "turns a model about an axis by an angle that varies along it",
         reference: "A. H. Barr, Global and Local Deformations of Solid Primitives, SIGGRAPH 1984",
         example: "axis = \"y\"\nangle = \"120deg\"\n",
@@ -415,6 +417,7 @@ pub(crate) fn bend<S: Space>() -> WarpEntry<S> {
     WarpEntry {
         kind: "bend",
         system: "B13",
+        figure: "§4.3.2",
         summary: "bends the axis of a model into a circular arc",
         reference: "A. H. Barr, Global and Local Deformations of Solid Primitives, SIGGRAPH 1984",
         example: "axis = \"y\"\ntoward = \"x\"\nangle = \"70deg\"\nlimits = \"smooth\"\n",
@@ -508,6 +511,7 @@ pub(crate) fn axial<S: Space>() -> WarpEntry<S> {
     WarpEntry {
         kind: "axial",
         system: "B13",
+        figure: "§4.3.2",
         summary: "scales across, turns about and shifts from an axis, each drawn along it",
         reference: "A. H. Barr, Global and Local Deformations of Solid Primitives, SIGGRAPH 1984; generalized as in \
                     Milliron et al., A Framework for Geometric Warps and Deformations, ACM TOG 2002",

@@ -202,6 +202,7 @@ pub(crate) fn points<S: Space>() -> WarpEntry<S> {
     WarpEntry {
         kind: "points",
         system: "B1",
+        figure: "§3.2, Figs. 2–4",
         summary: "carries source points to their targets; the rest follows",
         reference: "Milliron, Jensen, Barzel and Finkelstein, A Framework for Geometric Warps and Deformations, ACM TOG \
                     21(1), 2002, §3.2",
@@ -408,6 +409,7 @@ pub(crate) fn frames<S: Rotational>() -> WarpEntry<S> {
     WarpEntry {
         kind: "frames",
         system: "B2",
+        figure: "§3.3, Fig. 5",
         summary: "carries source coordinate frames to their targets; the rest follows",
         reference: "Milliron, Jensen, Barzel and Finkelstein, A Framework for Geometric Warps and Deformations, ACM TOG \
                     21(1), 2002, §3.3",
@@ -473,6 +475,7 @@ pub(crate) fn vortex<S: Space>() -> WarpEntry<S> {
     WarpEntry {
         kind: "vortex",
         system: "B2",
+        figure: "§3.3, after Wolberg 1990",
         summary: "swirls a model about a centre or a line; the turn dies out with distance",
         reference: "G. Wolberg, Digital Image Warping, IEEE Computer Society Press, 1990",
         example: if S::DIM == 2 {

@@ -234,6 +234,7 @@ pub(crate) fn lattice<S: Space>() -> WarpEntry<S> {
     WarpEntry {
         kind: "lattice",
         system: "B3",
+        figure: "§4.1, Fig. 10",
         summary: "free-form deformation: a box of control points moves the model inside",
         reference: "T. W. Sederberg and S. R. Parry, Free-Form Deformation of Solid Geometric Models, SIGGRAPH 1986",
         example: if S::DIM == 2 {
@@ -332,6 +333,7 @@ pub(crate) fn spline_lattice<S: Space>() -> WarpEntry<S> {
     WarpEntry {
         kind: "spline-lattice",
         system: "B4",
+        figure: "§4.1",
         summary: "free-form deformation with local control: each control point moves only what is near",
         reference: "J. Griessmair and W. Purgathofer, Deformation of Solids with Trivariate B-Splines, Eurographics 1989",
         example: if S::DIM == 2 {
@@ -444,6 +446,7 @@ pub(crate) fn frame_lattice<S: Rotational>() -> WarpEntry<S> {
     WarpEntry {
         kind: "frame-lattice",
         system: "B9",
+        figure: "§5.1, Fig. 14",
         summary: "free-form deformation by frames: turning one turns the model about it",
         reference: "Milliron, Jensen, Barzel and Finkelstein, A Framework for Geometric Warps and Deformations, ACM TOG \
                     21(1), 2002, §5.1",

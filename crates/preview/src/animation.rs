@@ -1,0 +1,275 @@
+//! Series of pictures in one file: GIF, which everything plays, and APNG, which keeps the colours.
+//!
+//! *Source*: `CompuServe`, *Graphics Interchange Format, Version 89a*, 1990; W3C, *Portable Network Graphics (PNG)
+//! Specification (Third Edition)*, 2025, §11.3.5 (animation). The palette of a GIF is chosen per picture by a neural network
+//! (A. H. Dekker, *Kohonen neural networks for optimal colour quantization*, Network 5, 1994), as the `gif` crate offers it.
+
+use crate::{Picture, PreviewError};
+use std::io::Write;
+
+/// How an animation is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AnimationFormat {
+    /// At most 256 colours a picture; plays everywhere. Its clock has hundredths of a second.
+    Gif,
+    /// All colours, about three times the size; browsers play it, and what does not shows the first picture.
+    Apng,
+}
+
+/// Quality of a palette, 1 (best, slow) to 30: above 10 the studio's soft ground shows bands.
+const PALETTE_SPEED: i32 = 10;
+
+/// An animation that is being written to `W`: pictures are encoded as they come, so that only one is held at a time.
+///
+/// ```
+/// use anamorph_core::glam::DVec3;
+/// use anamorph_preview::{Animation, AnimationFormat, Model, Options, Panel, single};
+///
+/// let points = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let panel = Panel::new(Model::mesh(&points, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]));
+/// let options = Options { width: 64, height: 64, turning: true, ..Options::default() };
+/// let mut file = Vec::new();
+/// let mut animation = Animation::new(&mut file, AnimationFormat::Gif, 8, 12.0)?;
+/// for step in 0..8 {
+///     let angle = f64::from(step) / 8.0 * std::f64::consts::TAU;
+///     let camera = options.camera.turned(angle);
+///     animation.push(&single(&panel, &Options { camera, ..options })?)?;
+/// }
+/// animation.finish()?;
+/// assert!(file.starts_with(b"GIF89a"));
+/// # Ok::<(), anamorph_preview::PreviewError>(())
+/// ```
+pub struct Animation<W: Write> {
+    encoder: Encoder<W>,
+    count: usize,
+    rate: f64,
+    pushed: usize,
+    size: Option<(u32, u32)>,
+}
+
+/// The encoder, once the size of the pictures is known.
+enum Encoder<W: Write> {
+    Waiting(AnimationFormat, Option<W>),
+    Gif(Box<gif::Encoder<W>>),
+    Apng(Box<png::Writer<W>>, Vec<u8>),
+}
+
+fn failed(error: &impl ToString) -> PreviewError {
+    PreviewError::Encoding {
+        reason: error.to_string(),
+    }
+}
+
+impl<W: Write> Animation<W> {
+    /// An animation of `count` pictures, `rate` a second, that starts again at its end.
+    ///
+    /// # Errors
+    /// [`PreviewError::Animation`] for no pictures or more than 10 000, or a rate that is not from 0.1 to 60.
+    pub fn new(
+        out: W,
+        format: AnimationFormat,
+        count: usize,
+        rate: f64,
+    ) -> Result<Self, PreviewError> {
+        if !(1..=10_000).contains(&count) || !(0.1..=60.0).contains(&rate) {
+            return Err(PreviewError::Animation {
+                count,
+                rate,
+                mend: "give 1 to 10 000 pictures at 0.1 to 60 a second",
+            });
+        }
+        Ok(Self {
+            encoder: Encoder::Waiting(format, Some(out)),
+            count,
+            rate,
+            pushed: 0,
+            size: None,
+        })
+    }
+
+    /// Adds the next picture.
+    ///
+    /// # Errors
+    /// [`PreviewError::Frame`] if it has another size than the first, [`PreviewError::Animation`] if it is one too many,
+    /// [`PreviewError::Encoding`] if the encoder or the output fails.
+    pub fn push(&mut self, picture: &Picture) -> Result<(), PreviewError> {
+        let (pixels, width, height) = picture.rgba();
+        let (expected_width, expected_height) = *self.size.get_or_insert((width, height));
+        if (width, height) != (expected_width, expected_height) {
+            return Err(PreviewError::Frame {
+                index: self.pushed,
+                width,
+                height,
+                expected_width,
+                expected_height,
+            });
+        }
+        if self.pushed == self.count {
+            return Err(self.miscounted(self.pushed + 1));
+        }
+        if let Encoder::Waiting(format, out) = &mut self.encoder
+            && let Some(out) = out.take()
+        {
+            self.encoder = begin(*format, out, [width, height], self.count, self.rate)?;
+        }
+        self.pushed += 1;
+        match &mut self.encoder {
+            Encoder::Waiting(..) => Err(failed(&"it failed before")),
+            Encoder::Gif(encoder) => {
+                let (width, height) = (side(width)?, side(height)?);
+                let mut pixels = pixels.to_vec();
+                let mut frame =
+                    gif::Frame::from_rgba_speed(width, height, &mut pixels, PALETTE_SPEED);
+                // Two hundredths of a second at least: players take less for ten.
+                frame.delay = units(100.0 / self.rate).max(2);
+                encoder.write_frame(&frame).map_err(|error| failed(&error))
+            }
+            Encoder::Apng(writer, rows) => {
+                rows.clear();
+                let (opaque, _) = pixels.as_chunks::<4>();
+                let colours = opaque
+                    .iter()
+                    .map(|&[red, green, blue, _]| [red, green, blue]);
+                rows.extend(colours.flatten());
+                writer
+                    .write_image_data(rows)
+                    .map_err(|error| failed(&error))
+            }
+        }
+    }
+
+    fn miscounted(&self, count: usize) -> PreviewError {
+        PreviewError::Animation {
+            count,
+            rate: self.rate,
+            mend: "push as many pictures as were announced",
+        }
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// [`PreviewError::Animation`] if pictures are missing, [`PreviewError::Encoding`] if the encoder or the output fails.
+    pub fn finish(self) -> Result<(), PreviewError> {
+        if self.pushed != self.count {
+            return Err(self.miscounted(self.pushed));
+        }
+        match self.encoder {
+            Encoder::Gif(encoder) => {
+                let mut out = encoder.into_inner().map_err(|error| failed(&error))?;
+                out.flush().map_err(|error| failed(&error))
+            }
+            Encoder::Apng(writer, _) => writer.finish().map_err(|error| failed(&error)),
+            Encoder::Waiting(..) => Err(failed(&"it failed before")),
+        }
+    }
+}
+
+fn side(pixels: u32) -> Result<u16, PreviewError> {
+    u16::try_from(pixels).map_err(|error| failed(&error))
+}
+
+/// A delay in the file's units; rates have been checked to give at most 10 seconds.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn units(delay: f64) -> u16 {
+    delay.round() as u16
+}
+
+fn begin<W: Write>(
+    format: AnimationFormat,
+    out: W,
+    [width, height]: [u32; 2],
+    count: usize,
+    rate: f64,
+) -> Result<Encoder<W>, PreviewError> {
+    match format {
+        AnimationFormat::Gif => {
+            let mut encoder = gif::Encoder::new(out, side(width)?, side(height)?, &[])
+                .map_err(|error| failed(&error))?;
+            encoder
+                .set_repeat(gif::Repeat::Infinite)
+                .map_err(|error| failed(&error))?;
+            Ok(Encoder::Gif(Box::new(encoder)))
+        }
+        AnimationFormat::Apng => {
+            let mut encoder = png::Encoder::new(out, width, height);
+            encoder.set_color(png::ColorType::Rgb);
+            encoder.set_depth(png::BitDepth::Eight);
+            let count = u32::try_from(count).unwrap_or(u32::MAX);
+            encoder
+                .set_animated(count, 0)
+                .map_err(|error| failed(&error))?;
+            encoder
+                .set_frame_delay(units(1000.0 / rate), 1000)
+                .map_err(|error| failed(&error))?;
+            let writer = encoder.write_header().map_err(|error| failed(&error))?;
+            Ok(Encoder::Apng(Box::new(writer), Vec::new()))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(width: u32, shade: f32) -> Picture {
+        let pixels = vec![[shade, 0.5, 1.0 - shade]; (width * 4) as usize];
+        Picture::from_linear(&pixels, width, 4)
+    }
+
+    fn animated(format: AnimationFormat) -> Vec<u8> {
+        let mut file = Vec::new();
+        let mut animation = Animation::new(&mut file, format, 3, 12.0).unwrap();
+        for shade in [0.0, 0.5, 1.0] {
+            animation.push(&picture(6, shade)).unwrap();
+        }
+        animation.finish().unwrap();
+        file
+    }
+
+    #[test]
+    fn gif_holds_the_pictures() {
+        let bytes = animated(AnimationFormat::Gif);
+        let mut options = gif::DecodeOptions::new();
+        options.set_color_output(gif::ColorOutput::RGBA);
+        let mut decoder = options.read_info(bytes.as_slice()).unwrap();
+        let mut shades = Vec::new();
+        while let Some(frame) = decoder.read_next_frame().unwrap() {
+            assert_eq!((frame.width, frame.height, frame.delay), (6, 4, 8));
+            shades.push(frame.buffer[0]);
+        }
+        assert_eq!(shades, [0, 188, 255]);
+    }
+
+    #[test]
+    fn apng_holds_the_pictures() {
+        let bytes = animated(AnimationFormat::Apng);
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+            .read_info()
+            .unwrap();
+        assert_eq!(reader.info().animation_control().unwrap().num_frames, 3);
+        let mut shades = Vec::new();
+        let mut buffer = vec![0; reader.output_buffer_size().unwrap()];
+        for _ in 0..3 {
+            reader.next_frame(&mut buffer).unwrap();
+            shades.push(buffer[0]);
+        }
+        assert_eq!(shades, [0, 188, 255]);
+    }
+
+    #[test]
+    fn miscounted_and_misfitting_pictures_are_refused() {
+        assert!(Animation::new(Vec::new(), AnimationFormat::Gif, 0, 12.0).is_err());
+        assert!(Animation::new(Vec::new(), AnimationFormat::Gif, 3, f64::NAN).is_err());
+        for format in [AnimationFormat::Gif, AnimationFormat::Apng] {
+            let mut animation = Animation::new(Vec::new(), format, 2, 12.0).unwrap();
+            animation.push(&picture(6, 0.0)).unwrap();
+            let error = animation.push(&picture(7, 0.0)).unwrap_err();
+            assert!(error.to_string().contains("picture 1 of the animation"));
+            assert!(animation.finish().is_err());
+            let mut animation = Animation::new(Vec::new(), format, 1, 12.0).unwrap();
+            animation.push(&picture(6, 0.0)).unwrap();
+            assert!(animation.push(&picture(6, 0.0)).is_err());
+        }
+    }
+}
