@@ -8,7 +8,7 @@ document.querySelector(".theme").addEventListener("click", () => {
 });
 for (const button of document.querySelectorAll(".recipe button")) {
   button.addEventListener("click", async () => {
-    const code = button.parentElement.querySelector("code");
+    const code = button.closest(".recipe").querySelector("code");
     let done = true;
     try { await navigator.clipboard.writeText(code.textContent); } catch {
       const range = document.createRange();

@@ -110,7 +110,8 @@ fn scene_html(shown: &Shown) -> String {
          <div class=\"text\"><p>{summary}</p>{reference}</div>\
          <figure class=\"picture\">{light}{dark}<figcaption>{credit}. Before and after; sources orange, targets blue.\
          </figcaption></figure>\
-         <div class=\"two\"><div class=\"recipe\"><button type=\"button\">Copy</button><pre><code>{recipe}</code></pre></div>\
+         <div class=\"two\"><div class=\"recipe\"><div class=\"bar\"><span>{name}.toml</span>\
+         <button type=\"button\">Copy</button></div><pre><code>{recipe}</code></pre></div>\
          {promises}</div></article>\n",
         title = escape(&title(shown)),
         from = escape(&where_from(shown)),
