@@ -12,8 +12,6 @@
 //! `nOFF`), are refused by name.
 
 mod create;
-#[cfg(test)]
-mod tests;
 
 pub(crate) use create::create;
 

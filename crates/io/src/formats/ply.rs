@@ -16,8 +16,6 @@ mod header;
 mod inspect;
 mod rows;
 mod scalar;
-#[cfg(test)]
-mod tests;
 mod write;
 
 pub(crate) use create::create;
@@ -267,7 +265,7 @@ impl Model {
     fn column(&self, column: Column) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.positions.len());
         self.all_rows(self.vertex, |_, row| {
-            all.push(row.scalar(column.0, column.1))
+            all.push(row.scalar(column.0, column.1));
         });
         all
     }

@@ -11,8 +11,6 @@
 //! The header, the two attribute bytes of a triangle, names of solids and the way that text is set out are kept.
 
 mod ascii;
-#[cfg(test)]
-mod tests;
 
 use crate::elements::{self, Elements};
 use crate::inspect::First;
