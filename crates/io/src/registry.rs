@@ -6,6 +6,8 @@ use crate::{Companions, Document, Format, ReadError, ReadErrorKind, ReadOptions,
 static FORMATS: &[&dyn Format] = &[
     &crate::formats::obj::Obj, //
     &crate::formats::csv::Csv,
+    &crate::formats::gltf::Gltf,
+    &crate::formats::gltf::Glb,
 ];
 
 /// How much of a file is looked at to recognise it. Comments at the beginning of a file may be long.
