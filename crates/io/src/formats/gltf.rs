@@ -6,7 +6,7 @@
 //! - Points are the vertices of every mesh as its node places it in the world, a mesh of several nodes once for each, in the
 //!   order of the nodes; then meshes that no node has, as they are. [`ReadOptions::local`] gives every mesh once, in its own
 //!   coordinates.
-//! - Vertices of skinned meshes are where their accessor says: the bind pose. Nodes do not move them.
+//! - Skinned meshes are in their bind pose, placed as their first joint places it.
 //! - Behind those points come the places that morph targets lead vertices to, for each vertex that a target moves. The new
 //!   delta of a target is the difference of the two moved points, so that the morphed model is the warped one at weight 1.
 //! - Nothing but what has to change does: the JSON is kept as text and edited where it stands, and buffers are rewritten in
@@ -293,7 +293,19 @@ impl Model {
         let accessors = accessor::accessors(&accessor_list, &views)?;
         let meshes = scene::meshes(&mesh_list, &accessors)?;
         let nodes = scene::nodes(&node_list, meshes.len())?;
-        let needed = scene::needed_buffers(&meshes, &accessors, lengths.len());
+        let skins = scene::skins(&listed(root, "skins"), &nodes, &accessors)?;
+        if let Some((i, node)) = nodes
+            .iter()
+            .enumerate()
+            .find(|(_, node)| node.skin.is_some_and(|skin| skin >= skins.len()))
+        {
+            let skin = node.skin.unwrap_or_default();
+            return Err(fail(
+                ReadErrorKind::Reference,
+                format!("nodes[{i}] has skin {skin}, and there are {}", skins.len()),
+            ));
+        }
+        let needed = scene::needed_buffers(&meshes, &skins, &accessors, lengths.len());
 
         let bin = chunks.as_ref().and_then(|chunks| chunks.bin.clone());
         let mut buffers = Vec::with_capacity(lengths.len());
@@ -320,7 +332,7 @@ impl Model {
             chunks,
             buffers,
             accessors,
-            instances: scene::instances(&nodes, &meshes, options.local),
+            instances: Vec::new(),
             nodes,
             meshes,
             points: Vec::new(),
@@ -330,6 +342,8 @@ impl Model {
             local: options.local,
             json,
         };
+        let binds = scene::bind_places(&skins, &model.nodes, &model.accessors, &model.data());
+        model.instances = scene::instances(&model.nodes, &model.meshes, &binds, model.local);
         model.check_sizes()?;
         model.check_content(options)?;
         model.find_points();
@@ -375,7 +389,9 @@ impl Model {
             };
             return Err(ReadError::new(
                 ReadErrorKind::TooLarge,
-                format!("the scene has {number} {what}, far more than a file of {held} bytes should"),
+                format!(
+                    "the scene has {number} {what}, far more than a file of {held} bytes should"
+                ),
                 "check the counts of its accessors; if meshes are meant to be repeated so often, use the recipe key `space = \"local\"`",
             ));
         }
@@ -497,7 +513,11 @@ impl Model {
                 "check what was exported",
             ));
         }
-        let bad = self.points.iter().enumerate().filter(|(_, p)| !p.is_finite());
+        let bad = self
+            .points
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| !p.is_finite());
         self.nonfinite = bad.map(|(i, _)| i).collect();
         match self.nonfinite.first() {
             Some(&first) if !options.allow_nonfinite => Err(ReadError::new(
@@ -528,7 +548,9 @@ impl Model {
                     .and_then(|i| shadow.vertices.get(i))
                 {
                     let accessor = At("accessors", shadow.accessor);
-                    return format!("vertex {vertex} (from 0) moved by the morph target {accessor}");
+                    return format!(
+                        "vertex {vertex} (from 0) moved by the morph target {accessor}"
+                    );
                 }
             }
         }
@@ -600,9 +622,8 @@ impl Buffer {
         };
         let (source, content) = if let Some(start) = container::data_start(&uri) {
             let content = if needed {
-                container::decoded(&uri).map_err(|what| {
-                    fail(ReadErrorKind::Encoding, format!("{place}: {what}"))
-                })?
+                container::decoded(&uri)
+                    .map_err(|what| fail(ReadErrorKind::Encoding, format!("{place}: {what}")))?
             } else {
                 Vec::new()
             };

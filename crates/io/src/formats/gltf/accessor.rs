@@ -148,7 +148,10 @@ pub(super) fn views(list: &[Value<'_>], lengths: &[usize]) -> Result<Vec<View>, 
         let Some(&available) = lengths.get(buffer) else {
             return Err(fail(
                 ReadErrorKind::Reference,
-                format!("{place} is of buffer {buffer}, and there are {}", lengths.len()),
+                format!(
+                    "{place} is of buffer {buffer}, and there are {}",
+                    lengths.len()
+                ),
             ));
         };
         if start.checked_add(length).is_none_or(|end| end > available) {
@@ -182,7 +185,10 @@ fn layout(
     let Some(found) = views.get(view) else {
         return Err(fail(
             ReadErrorKind::Reference,
-            format!("{place} is in buffer view {view}, and there are {}", views.len()),
+            format!(
+                "{place} is in buffer view {view}, and there are {}",
+                views.len()
+            ),
         ));
     };
     let stride = found.stride.filter(|_| strided).unwrap_or(size);
@@ -323,11 +329,7 @@ impl Accessor {
     }
 
     /// Checks that the sparse storage's indices ascend and are of elements that exist.
-    pub(super) fn check_sparse(
-        &self,
-        buffers: &[&[u8]],
-        place: &At<'_>,
-    ) -> Result<(), ReadError> {
+    pub(super) fn check_sparse(&self, buffers: &[&[u8]], place: &At<'_>) -> Result<(), ReadError> {
         let replaced = self.replaced(buffers);
         let ascends = replaced.windows(2).all(|pair| pair[0] < pair[1]);
         if !ascends || replaced.last().is_some_and(|last| *last >= self.count) {
@@ -373,10 +375,20 @@ impl Accessor {
         out
     }
 
+    /// Its first element, if that has bytes.
+    pub(super) fn first<const N: usize>(&self, buffers: &[&[u8]]) -> Option<[f64; N]> {
+        let layout = self.base.filter(|layout| layout.count > 0)?;
+        Some(self.decoded(layout.element(bytes(buffers, layout.buffer), 0)))
+    }
+
     fn decoded<const N: usize, T: Real>(&self, element: &[u8]) -> [T; N] {
         let mut out = [T::default(); N];
         let size = self.component.size();
-        for (slot, part) in out.iter_mut().zip(element.chunks_exact(size)).take(self.width) {
+        for (slot, part) in out
+            .iter_mut()
+            .zip(element.chunks_exact(size))
+            .take(self.width)
+        {
             *slot = if self.component == Component::F32 {
                 T::of_f32(f32_of(part))
             } else {
@@ -435,7 +447,9 @@ impl Accessor {
             {
                 let tight = bytes(buffers, layout.buffer).get(layout.start..layout.end());
                 let words = tight.unwrap_or(&[]).chunks_exact(4);
-                words.map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).max()
+                words
+                    .map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]]))
+                    .max()
             }
             _ => self.indices(buffers).into_iter().max(),
         }
@@ -451,11 +465,15 @@ impl Accessor {
                 match self.component {
                     Component::U32 if layout.stride == 4 => {
                         let words = tight.chunks_exact(4);
-                        words.map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect()
+                        words
+                            .map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]]))
+                            .collect()
                     }
                     Component::U16 if layout.stride == 2 => {
                         let halves = tight.chunks_exact(2);
-                        halves.map(|h| u32::from(u16::from_le_bytes([h[0], h[1]]))).collect()
+                        halves
+                            .map(|h| u32::from(u16::from_le_bytes([h[0], h[1]])))
+                            .collect()
                     }
                     kind => (0..self.count)
                         .map(|i| unsigned(kind, layout.element(bytes, i)) as u32)
@@ -510,7 +528,8 @@ impl Real for f64 {
 }
 
 fn f32_of(part: &[u8]) -> f32 {
-    part.first_chunk().map_or(0.0, |four| f32::from_le_bytes(*four))
+    part.first_chunk()
+        .map_or(0.0, |four| f32::from_le_bytes(*four))
 }
 
 fn float<const N: usize, T: Real>(element: &[u8]) -> [T; N] {
@@ -524,9 +543,7 @@ fn float<const N: usize, T: Real>(element: &[u8]) -> [T; N] {
 fn unsigned(kind: Component, part: &[u8]) -> usize {
     match (kind, part) {
         (Component::U8 | Component::I8, [a, ..]) => usize::from(*a),
-        (Component::U16 | Component::I16, [a, b, ..]) => {
-            usize::from(u16::from_le_bytes([*a, *b]))
-        }
+        (Component::U16 | Component::I16, [a, b, ..]) => usize::from(u16::from_le_bytes([*a, *b])),
         (Component::U32 | Component::F32, [a, b, c, d, ..]) => {
             u32::from_le_bytes([*a, *b, *c, *d]) as usize
         }
@@ -563,6 +580,9 @@ mod tests {
         assert!(position.overlaps(&layout(12, 12, 12)));
         assert!(!position.overlaps(&layout(228, 12, 12)));
         assert!(position.overlaps(&layout(227, 12, 12)));
-        assert!(!position.overlaps(&Layout { buffer: 1, ..position }));
+        assert!(!position.overlaps(&Layout {
+            buffer: 1,
+            ..position
+        }));
     }
 }

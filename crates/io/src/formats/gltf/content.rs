@@ -68,10 +68,12 @@ impl Frame {
         back.is_finite().then_some(Self(Some((world, back))))
     }
     fn back(&self, point: DVec3) -> DVec3 {
-        self.0.map_or(point, |(_, back)| back.transform_point3(point))
+        self.0
+            .map_or(point, |(_, back)| back.transform_point3(point))
     }
     fn delta_back(&self, delta: DVec3) -> DVec3 {
-        self.0.map_or(delta, |(_, back)| back.transform_vector3(delta))
+        self.0
+            .map_or(delta, |(_, back)| back.transform_vector3(delta))
     }
     fn normal_out(&self, normal: DVec3) -> DVec3 {
         match self.0 {
@@ -234,19 +236,31 @@ impl Movement<'_> {
                     base,
                     accessor,
                 } => {
-                    let job = mesh.numbers.get(&Job::Normal { slot, accessor: base });
+                    let job = mesh.numbers.get(&Job::Normal {
+                        slot,
+                        accessor: base,
+                    });
                     let new = job.and_then(|job| outcome.get(*job)?.as_ref());
                     match &recomputed {
                         Some(all) => {
                             let mut values = self.accessor::<3>(accessor);
                             let deltas = all.deltas(self, instance, &frame, slot, shadow, base);
                             let changed = update(&mut values, |i, value| {
-                                deltas.get(i).copied().flatten().is_some_and(|new| set(value, new))
+                                deltas
+                                    .get(i)
+                                    .copied()
+                                    .flatten()
+                                    .is_some_and(|new| set(value, new))
                             });
                             content(&values, changed)
                         }
                         None => self.direction_deltas::<3>(
-                            instance, slot, shadow, base, accessor, new,
+                            instance,
+                            slot,
+                            shadow,
+                            base,
+                            accessor,
+                            new,
                             &|i, old| self.normal(&frame, i, old),
                         ),
                     }
@@ -268,7 +282,12 @@ impl Movement<'_> {
                         .get(&tangent)
                         .and_then(|job| outcome.get(*job)?.as_ref());
                     self.direction_deltas::<4>(
-                        instance, slot, shadow, base, accessor, new,
+                        instance,
+                        slot,
+                        shadow,
+                        base,
+                        accessor,
+                        new,
                         &|i, old| self.tangent(&frame, i, old),
                     )
                 }
@@ -286,7 +305,9 @@ impl Movement<'_> {
         let shadows = shadows.map(|(start, shadow)| (*start, shadow.vertices.len()));
         slots.chain(shadows).any(|(start, count)| {
             let range = start..start + count;
-            range.into_iter().any(|i| !same(self.model.points[i], self.new[i]))
+            range
+                .into_iter()
+                .any(|i| !same(self.model.points[i], self.new[i]))
         })
     }
 
@@ -392,7 +413,10 @@ impl Movement<'_> {
         }
         match unit(new).and_then(|new| unit(back(new))) {
             None => Carried::Unusable,
-            Some(new) if unit(old).is_some_and(|old| (new - old).abs().max_element() < SAME_DIRECTION) => {
+            Some(new)
+                if unit(old)
+                    .is_some_and(|old| (new - old).abs().max_element() < SAME_DIRECTION) =>
+            {
                 Carried::Same
             }
             Some(new) => Carried::New(new),
@@ -402,7 +426,9 @@ impl Movement<'_> {
     fn normal(&self, frame: &Frame, point: usize, old: DVec3) -> Carried {
         match self.normals {
             Normals::Transform(map) if unit(old).is_some() => {
-                self.carried(point, old, frame.normal_out(old), map, |n| frame.normal_back(n))
+                self.carried(point, old, frame.normal_out(old), map, |n| {
+                    frame.normal_back(n)
+                })
             }
             _ => Carried::Same,
         }
@@ -411,7 +437,9 @@ impl Movement<'_> {
     fn tangent(&self, frame: &Frame, point: usize, old: DVec3) -> Carried {
         match self.tangents {
             Some(map) if unit(old).is_some() => {
-                self.carried(point, old, frame.tangent_out(old), map, |t| frame.delta_back(t))
+                self.carried(point, old, frame.tangent_out(old), map, |t| {
+                    frame.delta_back(t)
+                })
             }
             _ => Carried::Same,
         }

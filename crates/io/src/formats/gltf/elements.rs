@@ -44,13 +44,20 @@ impl Model {
             None => Some((0..count as u32).collect()),
             Some(accessor) => {
                 let corners = self.accessors[accessor].indices(&self.data());
-                corners.iter().all(|v| (*v as usize) < count).then_some(corners)
+                corners
+                    .iter()
+                    .all(|v| (*v as usize) < count)
+                    .then_some(corners)
             }
         }
     }
 
     /// Primitives of an instance whose corners exist, with the number of the first point; and the number of the others.
-    fn primitives(&self, instance: &Instance, mut each: impl FnMut(&Primitive, u32, &[u32])) -> u64 {
+    fn primitives(
+        &self,
+        instance: &Instance,
+        mut each: impl FnMut(&Primitive, u32, &[u32]),
+    ) -> u64 {
         let mesh = &self.meshes[instance.mesh];
         let mut broken = 0;
         for primitive in &mesh.primitives {
@@ -69,7 +76,10 @@ impl Model {
     /// Triangles of a primitive in terms of the vertices of its corners.
     pub(super) fn primitive_triangles(primitive: &Primitive, corners: &[u32]) -> Vec<[u32; 3]> {
         if primitive.mode == 4 {
-            return corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+            return corners
+                .chunks_exact(3)
+                .map(|t| [t[0], t[1], t[2]])
+                .collect();
         }
         triangles(primitive.mode, corners.len())
             .map(|t| t.map(|i| corners[i]))

@@ -112,7 +112,8 @@ fn bad_normals(model: &Model) -> Option<Problem> {
         for (i, normal) in normals.iter().enumerate() {
             if !normal.iter().all(|x| x.is_finite()) {
                 count += 1;
-                first.get_or_insert_with(|| format!("normal {i} (from 0) of accessors[{accessor}]"));
+                first
+                    .get_or_insert_with(|| format!("normal {i} (from 0) of accessors[{accessor}]"));
             }
         }
     }
@@ -127,23 +128,12 @@ fn bad_normals(model: &Model) -> Option<Problem> {
 /// How the file was understood, where one might not expect it.
 pub(super) fn notes(model: &Model) -> Vec<String> {
     let mut notes = Vec::new();
-    let placed = |skinned: bool| {
-        let nodes = model.nodes.iter();
-        nodes
-            .filter(|node| node.mesh.is_some() && node.skinned == skinned)
-            .count()
-    };
-    let (skinned, rigid) = (placed(true), placed(false));
-    if skinned > 0 {
-        let meshes = if skinned == 1 { "a skinned mesh is" } else { "skinned meshes are" };
-        let place = if rigid > 0 {
-            ", wherever its node stands"
-        } else {
-            ""
-        };
-        notes.push(format!(
-            "{meshes} warped in the bind pose{place}; joints and animations stay as they are"
-        ));
+    let mut nodes = model.nodes.iter();
+    if nodes.any(|node| node.mesh.is_some() && node.skin.is_some()) {
+        notes.push(
+            "skinned meshes are warped in their bind pose, as their first joint places it; joints and animations stay as they are"
+                .into(),
+        );
     }
     if model.local {
         notes.push("meshes are warped in their own coordinates, not where nodes place them".into());
@@ -165,7 +155,8 @@ pub(super) fn notes(model: &Model) -> Vec<String> {
         .any(|buffer| matches!(buffer.source, super::Source::File) && !buffer.content.is_empty());
     if external {
         notes.push(
-            "files beside the model stay as they are; what moves is written into the model itself".into(),
+            "files beside the model stay as they are; what moves is written into the model itself"
+                .into(),
         );
     }
     notes

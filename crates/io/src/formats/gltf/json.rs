@@ -204,8 +204,7 @@ impl Json {
                     scan.at += 1;
                     scan.blank();
                     open.push(record);
-                    closing =
-                        scan.peek() == Some(if kind == Kind::Table { b'}' } else { b']' });
+                    closing = scan.peek() == Some(if kind == Kind::Table { b'}' } else { b']' });
                     if !closing {
                         if kind == Kind::Table {
                             key(&mut scan, &mut records)?;
@@ -553,7 +552,10 @@ mod tests {
         let root = json.root();
         let a: Vec<_> = root.get("a").unwrap().items().collect();
         assert_eq!(a.len(), 3);
-        assert_eq!((a[0].whole(), a[1].raw(), a[1].whole()), (Some(1), "2.50", None));
+        assert_eq!(
+            (a[0].whole(), a[1].raw(), a[1].whole()),
+            (Some(1), "2.50", None)
+        );
         assert_eq!(a[2].get("b").unwrap().text().unwrap(), "A\n\u{1F600}");
         assert!(root.get("c").unwrap().is_true());
         assert_eq!(root.get("e").unwrap().entries().count(), 0);
@@ -564,13 +566,48 @@ mod tests {
     #[test]
     fn what_serde_json_refuses_is_refused() {
         let texts = [
-            "", "{", "[1,]", "{\"a\":1,}", "{\"a\"}", "[01]", "[1.]", "[.5]", "[+1]", "[1e]", "tru",
-            "nul", "\"a", "\"\\x\"", "\"\\u12g4\"", "\"a\nb\"", "[1 2]", "{1:2}", "[}", "{]", "1 1",
-            "[-]", "{\"a\":}", "[", "]", "{\"a\":1]", "[1}", "[[],]", "[,]", "{,}",
+            "",
+            "{",
+            "[1,]",
+            "{\"a\":1,}",
+            "{\"a\"}",
+            "[01]",
+            "[1.]",
+            "[.5]",
+            "[+1]",
+            "[1e]",
+            "tru",
+            "nul",
+            "\"a",
+            "\"\\x\"",
+            "\"\\u12g4\"",
+            "\"a\nb\"",
+            "[1 2]",
+            "{1:2}",
+            "[}",
+            "{]",
+            "1 1",
+            "[-]",
+            "{\"a\":}",
+            "[",
+            "]",
+            "{\"a\":1]",
+            "[1}",
+            "[[],]",
+            "[,]",
+            "{,}",
         ];
         let sound = [
-            "[]", "{}", "[[],[{}]]", "{\"a\":[]}", "-0.5e-7", "[1e+5,0]", "\"\\\"\\\\\"", "null",
-            "{\"a\":{\"b\":[[1],[]]},\"c\":{}}", "[{},{}]",
+            "[]",
+            "{}",
+            "[[],[{}]]",
+            "{\"a\":[]}",
+            "-0.5e-7",
+            "[1e+5,0]",
+            "\"\\\"\\\\\"",
+            "null",
+            "{\"a\":{\"b\":[[1],[]]},\"c\":{}}",
+            "[{},{}]",
         ];
         for text in texts.into_iter().chain(sound) {
             assert_eq!(
@@ -605,7 +642,14 @@ mod tests {
             "{ \"a\" : [ 7,\n  2,\n  3,\n  4 ], \"b\":{\"x\\\"\":5}, \"c\": [6], \"d\":8 }"
         );
         assert_eq!(
-            rebuilt(root, &[("b", None), ("c", Some("0".into())), ("z", Some("1".into()))]),
+            rebuilt(
+                root,
+                &[
+                    ("b", None),
+                    ("c", Some("0".into())),
+                    ("z", Some("1".into()))
+                ]
+            ),
             "{\"a\":[ 1,\n  2 ],\"c\":0,\"z\":1}"
         );
     }

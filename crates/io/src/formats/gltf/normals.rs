@@ -48,7 +48,9 @@ fn groups(movement: &Movement<'_>, instance: &Instance, only: Option<usize>) -> 
         let normals: Vec<[f32; 3]> = model.accessors[normal].elements(&movement.data);
         let start = instance.starts[slot];
         let found = normals.iter().enumerate().map(|(i, normal)| {
-            let place = model.points[start + i].to_array().map(|x| (x + 0.0).to_bits());
+            let place = model.points[start + i]
+                .to_array()
+                .map(|x| (x + 0.0).to_bits());
             let next = known.len();
             *known
                 .entry((place, normal.map(|x| (x + 0.0).to_bits())))

@@ -1,10 +1,15 @@
 //! Nodes and meshes: which points there are, and where the scene puts them.
 //!
 //! *Source*: Khronos Group, *glTF 2.0 Specification*, 2021, sections 3.5 "Scenes and Nodes" and 3.7 "Meshes". A point of a mesh
-//! stands where the product of the matrices from the root to the node puts it. A node with a skin is an exception: its own
-//! place does not count (section 3.7.3.3), and without a pose there is only the accessor's own coordinates, the bind pose.
+//! stands where the product of the matrices from the root to the node puts it.
+//!
+//! A node with a skin is an exception: its own place does not count (section 3.7.3.3), its joints place the vertices. As long
+//! as the skeleton is in the bind pose, the matrix of a joint times its inverse bind matrix is the same for every joint and
+//! takes the mesh to the world as a whole. We take that of the first joint, so the mesh is seen in its bind pose, at the size
+//! and the way up that the scene gives it, whatever pose the skeleton is in.
 
 use super::accessor::{Accessor, needed, whole};
+use super::content::Frame;
 use super::json::{Kind, Value};
 use super::{At, fail};
 use crate::{ReadError, ReadErrorKind};
@@ -15,8 +20,8 @@ use std::collections::HashMap;
 /// A node that may carry a mesh.
 pub(super) struct Node {
     pub(super) mesh: Option<usize>,
-    pub(super) skinned: bool,
-    /// From the coordinates of its mesh to those of the world.
+    pub(super) skin: Option<usize>,
+    /// From its own coordinates to those of the world.
     pub(super) world: DAffine3,
     pub(super) name: Option<String>,
 }
@@ -97,13 +102,20 @@ pub(super) fn nodes(list: &[Value<'_>], meshes: usize) -> Result<Vec<Node>, Read
             let Some(child) = child.whole().filter(|child| *child < list.len()) else {
                 return Err(fail(
                     ReadErrorKind::Reference,
-                    format!("{place} has the child {}, and there are {} nodes", child.raw(), list.len()),
+                    format!(
+                        "{place} has the child {}, and there are {} nodes",
+                        child.raw(),
+                        list.len()
+                    ),
                 ));
             };
             if let Some(other) = parents[child].replace(i) {
                 return Err(fail(
                     ReadErrorKind::Scene,
-                    format!("{} is a child of both nodes[{other}] and {place}", At("nodes", child)),
+                    format!(
+                        "{} is a child of both nodes[{other}] and {place}",
+                        At("nodes", child)
+                    ),
                 ));
             }
             own.push(child);
@@ -111,7 +123,7 @@ pub(super) fn nodes(list: &[Value<'_>], meshes: usize) -> Result<Vec<Node>, Read
         children.push(own);
         nodes.push(Node {
             mesh,
-            skinned: value.get("skin").is_some(),
+            skin: whole(*value, "skin", &place)?,
             world: local(*value, &place)?,
             name: value.get("name").and_then(Value::text).map(Into::into),
         });
@@ -128,10 +140,66 @@ pub(super) fn nodes(list: &[Value<'_>], meshes: usize) -> Result<Vec<Node>, Read
     if let Some(lost) = placed.iter().position(|placed| !placed) {
         return Err(fail(
             ReadErrorKind::Scene,
-            format!("{} is among its own ancestors, so it has no place", At("nodes", lost)),
+            format!(
+                "{} is among its own ancestors, so it has no place",
+                At("nodes", lost)
+            ),
         ));
     }
     Ok(nodes)
+}
+
+/// The first joint of each skin, and the accessor of its inverse bind matrices.
+pub(super) fn skins(
+    list: &[Value<'_>],
+    nodes: &[Node],
+    accessors: &[Accessor],
+) -> Result<Vec<(usize, Option<usize>)>, ReadError> {
+    let read = |(i, value): (usize, &Value<'_>)| {
+        let place = At("skins", i);
+        let joints = value.get("joints").and_then(|list| list.items().next());
+        let joint = joints.and_then(Value::whole);
+        let matrices = whole(*value, "inverseBindMatrices", &place)?;
+        let fits = |accessor: usize| accessors.get(accessor).is_some_and(|a| a.width == 16);
+        match joint.filter(|joint| *joint < nodes.len()) {
+            Some(joint) if matrices.is_none_or(fits) => Ok((joint, matrices)),
+            Some(_) => Err(fail(
+                ReadErrorKind::Reference,
+                format!("{place}: `inverseBindMatrices` is no accessor of matrices"),
+            )),
+            None => Err(fail(
+                ReadErrorKind::Reference,
+                format!("{place} has no joint, or one that is no node"),
+            )),
+        }
+    };
+    list.iter().enumerate().map(read).collect()
+}
+
+/// Where each skin puts its mesh in the bind pose; where that cannot be told, the mesh's own coordinates are the world's.
+pub(super) fn bind_places(
+    skins: &[(usize, Option<usize>)],
+    nodes: &[Node],
+    accessors: &[Accessor],
+    data: &[&[u8]],
+) -> Vec<DAffine3> {
+    let place = |(joint, matrices): &(usize, Option<usize>)| {
+        let back = match matrices {
+            None => DAffine3::IDENTITY,
+            Some(accessor) => {
+                let m = accessors[*accessor].first::<16>(data)?;
+                let column = |i: usize| DVec3::new(m[i], m[i + 1], m[i + 2]);
+                let linear = DMat3::from_cols(column(0), column(4), column(8));
+                DAffine3::from_mat3_translation(linear, column(12))
+            }
+        };
+        let place = nodes[*joint].world * back;
+        (place.is_finite() && Frame::of(Some(place)).is_some()).then_some(place)
+    };
+    skins
+        .iter()
+        .map(|skin| place(skin).unwrap_or(DAffine3::IDENTITY))
+        .collect()
 }
 
 /// What has to be computed again when a mesh moves. Slots are numbers in [`Mesh::slots`], shadows in [`Mesh::shadows`].
@@ -223,7 +291,9 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// The accessor that a value names.
     fn accessor(&self, value: Value<'_>, place: &str) -> Result<(usize, &'a Accessor), ReadError> {
-        let found = value.whole().and_then(|i| Some((i, self.accessors.get(i)?)));
+        let found = value
+            .whole()
+            .and_then(|i| Some((i, self.accessors.get(i)?)));
         found.ok_or_else(|| {
             fail(
                 ReadErrorKind::Reference,
@@ -247,13 +317,19 @@ impl<'a> Reader<'a> {
         if accessor.width != width {
             return Err(fail(
                 ReadErrorKind::Shape,
-                format!("{place} has {} numbers an element instead of {width}", accessor.width),
+                format!(
+                    "{place} has {} numbers an element instead of {width}",
+                    accessor.width
+                ),
             ));
         }
         if let Some(count) = count.filter(|count| *count != accessor.count) {
             return Err(fail(
                 ReadErrorKind::Shape,
-                format!("{place} has {} elements for {count} vertices", accessor.count),
+                format!(
+                    "{place} has {} elements for {count} vertices",
+                    accessor.count
+                ),
             ));
         }
         Ok(i)
@@ -354,9 +430,20 @@ impl<'a> Reader<'a> {
             primitive.indices = Some(i);
         }
 
-        let targets: Vec<Value<'_>> = value.get("targets").into_iter().flat_map(Value::items).collect();
+        let targets: Vec<Value<'_>> = value
+            .get("targets")
+            .into_iter()
+            .flat_map(Value::items)
+            .collect();
         for (number, target) in targets.iter().enumerate() {
-            self.target(*target, slot, count, normal, tangent, &format!("target {number} of {place}"))?;
+            self.target(
+                *target,
+                slot,
+                count,
+                normal,
+                tangent,
+                &format!("target {number} of {place}"),
+            )?;
         }
         let first = self.mesh.primitives.is_empty();
         if !first && self.mesh.targets != targets.len() {
@@ -387,9 +474,7 @@ impl<'a> Reader<'a> {
         for (name, value) in target.entries() {
             let what = format!("{name} of {place}");
             let accessor = match &*name {
-                "POSITION" | "NORMAL" | "TANGENT" => {
-                    self.fitting(value, 3, Some(count), &what)?
-                }
+                "POSITION" | "NORMAL" | "TANGENT" => self.fitting(value, 3, Some(count), &what)?,
                 _ => {
                     let (i, other) = self.accessor(value, &what)?;
                     self.fitting(value, other.width, Some(count), &what)?;
@@ -459,7 +544,7 @@ pub(super) fn meshes(list: &[Value<'_>], accessors: &[Accessor]) -> Result<Vec<M
 pub(super) struct Instance {
     pub(super) mesh: usize,
     pub(super) node: Option<usize>,
-    /// From mesh to world, where it is not the identity.
+    /// From mesh to world, where that is not the identity.
     pub(super) world: Option<DAffine3>,
     /// The first point of each slot.
     pub(super) starts: Vec<usize>,
@@ -468,7 +553,13 @@ pub(super) struct Instance {
 }
 
 /// The instances in the order of the nodes, then the meshes that no node has; or, for local coordinates, every mesh once.
-pub(super) fn instances(nodes: &[Node], meshes: &[Mesh], local: bool) -> Vec<Instance> {
+/// `binds` are the places of the skins.
+pub(super) fn instances(
+    nodes: &[Node],
+    meshes: &[Mesh],
+    binds: &[DAffine3],
+    local: bool,
+) -> Vec<Instance> {
     let instance = |mesh: usize, node: Option<usize>, world: Option<DAffine3>| Instance {
         mesh,
         node,
@@ -486,7 +577,8 @@ pub(super) fn instances(nodes: &[Node], meshes: &[Mesh], local: bool) -> Vec<Ins
     for (i, node) in nodes.iter().enumerate() {
         if let Some(mesh) = node.mesh {
             used[mesh] = true;
-            list.push(instance(mesh, Some(i), (!node.skinned).then_some(node.world)));
+            let bind = node.skin.and_then(|skin| binds.get(skin)).copied();
+            list.push(instance(mesh, Some(i), Some(bind.unwrap_or(node.world))));
         }
     }
     let unused = (0..meshes.len()).filter(|mesh| !used[*mesh]);
@@ -494,14 +586,16 @@ pub(super) fn instances(nodes: &[Node], meshes: &[Mesh], local: bool) -> Vec<Ins
     list
 }
 
-/// The buffers that the meshes need.
+/// The buffers that the meshes and skins need.
 pub(super) fn needed_buffers(
     meshes: &[Mesh],
+    skins: &[(usize, Option<usize>)],
     accessors: &[Accessor],
     buffers: usize,
 ) -> Vec<bool> {
     let mut needed = vec![false; buffers];
-    for accessor in mesh_accessors(meshes) {
+    let matrices = skins.iter().filter_map(|skin| skin.1);
+    for accessor in mesh_accessors(meshes).chain(matrices) {
         for buffer in accessors[accessor].buffers() {
             needed[buffer] = true;
         }

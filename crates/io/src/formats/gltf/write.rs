@@ -167,7 +167,8 @@ impl<'a> Plan<'a> {
                     self.copies.push(Copied { mesh, edits });
                     for &instance in group {
                         let node = model.instances[instance].node;
-                        if let Some(number_of) = node.and_then(|node| node_values[node].get("mesh")) {
+                        if let Some(number_of) = node.and_then(|node| node_values[node].get("mesh"))
+                        {
                             self.edits
                                 .replace(number_of, (mesh_values.len() + number).to_string());
                         }
@@ -299,16 +300,16 @@ impl<'a> Plan<'a> {
     fn bytes_of(&mut self, buffer: usize) -> &mut Vec<u8> {
         let model = self.model;
         let data = self.data;
-        self.patched
-            .entry(buffer)
-            .or_insert_with(|| match (&model.buffers[buffer].source, &model.chunks) {
+        self.patched.entry(buffer).or_insert_with(|| {
+            match (&model.buffers[buffer].source, &model.chunks) {
                 // With its padding.
                 (Source::Chunk, Some(chunks)) => {
                     let bin = chunks.bin.clone().unwrap_or(0..0);
                     model.bytes[bin].to_vec()
                 }
                 _ => data[buffer].to_vec(),
-            })
+            }
+        })
     }
 
     /// Corrects the bounds of an accessor that has them.
@@ -454,8 +455,9 @@ impl<'a> Plan<'a> {
         let Some(header) = header else {
             return Err(WriteError::Refused {
                 what: "the warped model has more than 4 GiB, which a GLB cannot hold".into(),
-                mend: "save the model as .gltf, with its buffers in files of their own, and warp that"
-                    .into(),
+                mend:
+                    "save the model as .gltf, with its buffers in files of their own, and warp that"
+                        .into(),
             });
         };
         report.put(&header, out)?;
@@ -470,10 +472,7 @@ impl<'a> Plan<'a> {
 }
 
 /// Joins wishes for the same content.
-fn merged<'c>(
-    list: Vec<Wanted>,
-    content: &impl Fn(Made) -> Option<&'c Content>,
-) -> Vec<Wanted> {
+fn merged<'c>(list: Vec<Wanted>, content: &impl Fn(Made) -> Option<&'c Content>) -> Vec<Wanted> {
     if list.len() < 2 {
         return list;
     }
