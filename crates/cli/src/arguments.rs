@@ -42,7 +42,7 @@ pub(crate) enum Command {
 /// Only what moves is rewritten: every other byte of the file stays.
 #[derive(Debug, Args)]
 pub(crate) struct WarpOptions {
-    /// Model files (OBJ, CSV points); `-` is standard input
+    /// Model files (glTF, GLB, OBJ, CSV points); `-` is standard input
     #[arg(required = true, value_name = "MODEL")]
     pub models: Vec<PathBuf>,
     /// The recipe, TOML or JSON; `-` is standard input
@@ -71,6 +71,9 @@ pub(crate) struct WarpOptions {
     /// Pass points that are not finite through untouched, instead of refusing the file
     #[arg(long)]
     pub allow_nonfinite: bool,
+    /// Let a model refer to files outside of its folder
+    #[arg(long)]
+    pub allow_outside: bool,
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -166,6 +169,9 @@ pub(crate) struct InspectOptions {
     /// Model files; `-` is standard input
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// Let a model refer to files outside of its folder
+    #[arg(long)]
+    pub allow_outside: bool,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -185,6 +191,9 @@ pub(crate) struct CheckOptions {
     /// Without a model: check in the plane instead of in space
     #[arg(long, conflicts_with = "model")]
     pub plane: bool,
+    /// Let the model refer to files outside of its folder
+    #[arg(long)]
+    pub allow_outside: bool,
     /// Change a value of the recipe, such as `warp.0.angle=30deg`
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,

@@ -107,7 +107,8 @@ fn exists(path: &Path) -> Failure {
     Failure::new(format!("{}: exists already{mend}", path.display()))
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// The folder in which a path is.
+pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

@@ -2,6 +2,7 @@
 
 use super::promises::{fold, promises, to_json};
 use crate::arguments::WarpOptions;
+use crate::companions::Copies;
 use crate::error::{Failure, say};
 use crate::files::{self, Pending};
 use crate::model::{self, ModelSpace};
@@ -227,8 +228,10 @@ fn warp_one(job: &Job, recipe: &Recipe, options: &WarpOptions) -> Result<(), Fai
     for (path, _) in job.results() {
         files::refuse_existing(path, options.force)?;
     }
-    let read_options = ReadOptions::default().allow_nonfinite(options.allow_nonfinite);
-    let document = model::read(&job.model, &read_options)?;
+    let read_options = ReadOptions::default()
+        .allow_nonfinite(options.allow_nonfinite)
+        .local(recipe.is_local());
+    let document = model::read(&job.model, &read_options, options.allow_outside)?;
     refuse_other_format(job, document.as_ref())?;
     match document.points() {
         Points::Plane(_) => warp_document::<Plane>(job, recipe, options, document.as_ref()),
@@ -273,6 +276,7 @@ fn warp_document<S: ModelSpace>(
     let mut model_file = begin(&job.output)?;
     let mut report_file = job.report.as_ref().map(begin).transpose()?;
     let mut preview_file = job.preview.as_ref().map(begin).transpose()?;
+    let mut copies = Copies::begin(document, &job.model, &job.output, options.force)?;
     if let Some(file) = &mut preview_file {
         let png = picture::preview(
             document,
@@ -331,18 +335,31 @@ fn warp_document<S: ModelSpace>(
     written?;
     if let Some(file) = &mut report_file {
         let value = report_json(
-            job, options, document, &built, rest, &moved, &report, policy, size,
+            job,
+            options,
+            document,
+            &built,
+            &rest[..visible],
+            &moved[..visible],
+            &report,
+            policy,
+            size,
         );
         let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
         file.fill(|out| writeln!(out, "{text}"))?;
     }
+    let own = [preview_file, report_file, Some(model_file)];
     files::keep_all(
-        [preview_file, report_file, Some(model_file)]
+        std::mem::take(&mut copies.files)
             .into_iter()
-            .flatten(),
+            .chain(own.into_iter().flatten()),
     )?;
     if !options.quiet {
-        summary(job, &built, rest.len(), &report, policy);
+        summary(job, &built, visible, &report, policy);
+        for note in document.notes() {
+            say!("  note: {note}");
+        }
+        copies.print();
         if !built.parts.is_empty() {
             if report.moved_points == 0 {
                 say!(
@@ -450,7 +467,7 @@ fn report_json<S: ModelSpace>(
         "format": document.format(),
         "space": S::NAME,
         "points": {
-            "count": document.visible().min(rest.len()),
+            "count": rest.len(),
             "moved": report.moved_points,
             "not_finite": document.nonfinite().len(),
             "farthest": farthest.map(|(index, distance)| json!({ "index": index, "distance": distance })),
@@ -463,6 +480,7 @@ fn report_json<S: ModelSpace>(
             "added": report.added_normals,
             "kept": report.kept_normals,
         },
+        "notes": document.notes(),
         "warps": to_json(&promises(built, rest, size)),
     })
 }
