@@ -5,11 +5,13 @@
 //! | `cargo xtask test` | everything that decides whether a change is good: format, clippy, tests and doc tests, documentation, the feature matrix, `wasm32` where that target is installed, and `tidy` ([`mod@test`]) |
 //! | `cargo xtask tidy` | the rules of the house that no compiler checks: floors, documented plug-ins, licences of fixtures and others ([`mod@tidy`]) |
 //! | `cargo xtask bench [--quick] [FILTER…]` | measures, and writes `docs/benchmarks.md` with ratios inside the run ([`mod@bench`]) |
+//! | `cargo xtask validate [FILE…]` | the Khronos validator on glTF models before and after a twist ([`mod@validate`]) |
 //!
 //! Without a chore, or with an unknown one, it prints its usage and exits with 2; a chore that fails exits with 1.
 //!
 //! **A new chore** is one file with a `pub const CHORE` ([`Chore`]), declared below, and one line in [`CHORES`]. A chore
-//! runs on a machine that has a Rust toolchain and nothing else: it may use `cargo` and, when present, `git`.
+//! runs on a machine that has a Rust toolchain and nothing else: it may use `cargo` and, when present, `git`; `validate`,
+//! which `test` does not run, needs `node` and `npm` too.
 
 #![allow(
     clippy::print_stdout,
@@ -21,12 +23,13 @@ pub mod bench;
 pub mod document;
 pub mod test;
 pub mod tidy;
+pub mod validate;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Every chore, in the order of the usage text.
-pub const CHORES: &[Chore] = &[test::CHORE, tidy::CHORE, bench::CHORE];
+pub const CHORES: &[Chore] = &[test::CHORE, tidy::CHORE, bench::CHORE, validate::CHORE];
 
 /// One chore: what it is called and what it does.
 #[derive(Clone, Copy)]
