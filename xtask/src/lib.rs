@@ -6,11 +6,13 @@
 //! | `cargo xtask tidy` | the rules of the house that no compiler checks: floors, documented plug-ins, licences of fixtures and others ([`mod@tidy`]) |
 //! | `cargo xtask bench [--quick] [FILTER…]` | measures, and writes `docs/benchmarks.md` with ratios inside the run ([`mod@bench`]) |
 //! | `cargo xtask gallery` | draws every warp, and refreshes `docs/gallery.md` and its pictures ([`mod@gallery`]) |
+//! | `cargo xtask validate [FILE…]` | the Khronos validator on glTF models before and after a twist ([`mod@validate`]) |
 //!
 //! Without a chore, or with an unknown one, it prints its usage and exits with 2; a chore that fails exits with 1.
 //!
 //! **A new chore** is one file with a `pub const CHORE` ([`Chore`]), declared below, and one line in [`CHORES`]. A chore
-//! runs on a machine that has a Rust toolchain and nothing else: it may use `cargo` and, when present, `git`.
+//! runs on a machine that has a Rust toolchain and nothing else: it may use `cargo` and, when present, `git`; `validate`,
+//! which `test` does not run, needs `node` and `npm` too.
 
 #![allow(
     clippy::print_stdout,
@@ -23,12 +25,19 @@ pub mod document;
 pub mod gallery;
 pub mod test;
 pub mod tidy;
+pub mod validate;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Every chore, in the order of the usage text.
-pub const CHORES: &[Chore] = &[test::CHORE, tidy::CHORE, bench::CHORE, gallery::CHORE];
+pub const CHORES: &[Chore] = &[
+    test::CHORE,
+    tidy::CHORE,
+    bench::CHORE,
+    gallery::CHORE,
+    validate::CHORE,
+];
 
 /// One chore: what it is called and what it does.
 #[derive(Clone, Copy)]

@@ -46,7 +46,7 @@ pub(crate) enum Command {
 /// Only what moves is rewritten: every other byte of the file stays.
 #[derive(Debug, Args)]
 pub(crate) struct WarpOptions {
-    /// Model files (OBJ, CSV points); `-` is standard input
+    /// Model files (glTF, GLB, OBJ, CSV points); `-` is standard input
     #[arg(required = true, value_name = "MODEL")]
     pub models: Vec<PathBuf>,
     /// The recipe, TOML or JSON; `-` is standard input
@@ -126,6 +126,9 @@ pub(crate) struct CageOptions {
     /// Replace a file that exists
     #[arg(short, long)]
     pub force: bool,
+    /// Let the model refer to files outside of its folder
+    #[arg(long)]
+    pub allow_outside: bool,
 }
 
 /// What a cage is made of.
@@ -282,6 +285,9 @@ pub(crate) struct InspectOptions {
     /// Model files; `-` is standard input
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// Let a model refer to files outside of its folder
+    #[arg(long)]
+    pub allow_outside: bool,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

@@ -107,6 +107,7 @@ fn exists(path: &Path) -> Failure {
     Failure::new(format!("{}: exists already{mend}", path.display()))
 }
 
+/// The folder in which a path is.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

@@ -8,6 +8,7 @@
 
 mod arguments;
 mod commands;
+mod companions;
 mod error;
 mod files;
 mod gallery;

@@ -1,5 +1,6 @@
 //! A model file and a recipe brought together in the model's space.
 
+use crate::companions::Folder;
 use crate::error::Failure;
 use crate::files;
 use crate::meshes::RecipeFiles;
@@ -49,14 +50,19 @@ impl ModelSpace for Solid {
     }
 }
 
-/// Reads a model file.
-pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Box<dyn Document>, Failure> {
+/// Reads a model file, and the files in its folder that it refers to; others only where that is allowed.
+pub(crate) fn read(
+    path: &Path,
+    options: &ReadOptions,
+    allow_outside: bool,
+) -> Result<Box<dyn Document>, Failure> {
     let bytes = files::read(path)?;
     let name = path
         .file_name()
         .map(|name| name.to_string_lossy().into_owned());
     let name = if files::is_stream(path) { None } else { name };
-    anamorph_io::read(bytes, name.as_deref(), options)
+    let folder = Folder::of(path, allow_outside);
+    anamorph_io::read_with(bytes, name.as_deref(), options, &folder)
         .map_err(|error| Failure::new(format!("{}: {error}", files::shown(path))))
 }
 

@@ -26,10 +26,20 @@ pub enum ReadErrorKind {
     Quote,
     /// The file ends before what it announces.
     Truncated,
-    /// A variant of the format that is not read.
-    Unsupported,
-    /// There are more points than the 2³² that an index can tell apart.
+    /// There are more points than the 2³² that an index can tell apart, or than the file's size can account for.
     TooLarge,
+    /// The text is not what its syntax asks for (JSON).
+    Syntax,
+    /// The binary container is damaged: cut off, or its lengths disagree.
+    Container,
+    /// Something refers to what does not exist, or to bytes beyond their buffer.
+    Reference,
+    /// A version, extension or type that is not built.
+    Unsupported,
+    /// A file beside the one that is read is missing or may not be read.
+    Companion,
+    /// The nodes of a scene are no forest, or one has an impossible place.
+    Scene,
 }
 
 /// Why a file could not be read: what is wrong, where, and how to mend it.
@@ -122,6 +132,14 @@ pub enum WriteError {
         what: String,
         /// How to mend it, in words.
         mend: &'static str,
+    },
+    /// The format cannot hold the moved points.
+    #[error("{what}; {mend}")]
+    Refused {
+        /// What cannot be written.
+        what: String,
+        /// How to mend it.
+        mend: String,
     },
     /// The receiver of the bytes failed.
     #[error("the output could not be written: {0}")]

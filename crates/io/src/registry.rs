@@ -12,6 +12,8 @@ static FORMATS: &[&dyn Format] = &[
     &all::stl::Stl,
     &all::obj::Obj,
     &all::csv::Csv,
+    &all::gltf::Gltf,
+    &all::gltf::Glb,
 ];
 
 /// One line for each format that can be written anew.

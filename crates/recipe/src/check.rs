@@ -13,7 +13,9 @@ use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// Keys of the recipe itself. Editors write `$schema` into JSON.
-const ROOT_KEYS: [&str; 5] = ["version", "warp", "name", "description", "$schema"];
+/// Whose coordinates a recipe may be in; the first if it says nothing.
+pub(crate) const SPACES: [&str; 2] = ["world", "local"];
+const ROOT_KEYS: [&str; 6] = ["version", "warp", "space", "name", "description", "$schema"];
 
 /// Words of [`scaling`](anamorph_catalog::ScalingMethod).
 pub(crate) const SCALING: [&str; 2] = ["displacement", "composition"];
@@ -76,7 +78,7 @@ impl Recipe {
                 begin,
             ));
         } else {
-            let known: Vec<String> = ROOT_KEYS[..4].iter().map(|&key| key.to_owned()).collect();
+            let known: Vec<String> = ROOT_KEYS[..5].iter().map(|&key| key.to_owned()).collect();
             for key in self
                 .tree
                 .keys()
@@ -99,6 +101,18 @@ impl Recipe {
                 "text in quotes",
                 problems,
             );
+        }
+        self.check_space(problems);
+    }
+
+    fn check_space(&self, problems: &mut Vec<Problem>) {
+        let Some(space) = self.tree.get("space") else {
+            return;
+        };
+        if space.as_str().is_none_or(|name| !SPACES.contains(&name)) {
+            let message = format!("{} is no space", form(space));
+            let hint = "write \"world\" (where the scene places each mesh) or \"local\" (each mesh in its own coordinates)";
+            problems.push(self.problem("space", Part::Value, message, hint));
         }
     }
 

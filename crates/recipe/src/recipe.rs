@@ -144,6 +144,11 @@ impl Recipe {
         })
     }
 
+    /// Whether it is for each mesh in its own coordinates (`space = "local"`), rather than where a scene places it.
+    pub fn is_local(&self) -> bool {
+        self.tree.get("space").and_then(Value::as_str) == Some("local")
+    }
+
     /// A problem with the value, or the key, at `path`.
     pub(crate) fn problem(
         &self,

@@ -4,7 +4,7 @@
 //! into it, so that editors complete them and mark what is unknown.
 
 use crate::Registry;
-use crate::check::SCALING;
+use crate::check::{SCALING, SPACES};
 use anamorph_catalog::schemars::SchemaGenerator;
 use anamorph_catalog::schemars::generate::SchemaSettings;
 use anamorph_core::{Plane, Solid, Space};
@@ -65,6 +65,11 @@ pub fn schema(plane: &Registry<Plane>, solid: &Registry<Solid>) -> Value {
             "version": { "description": "version of the recipe format", "const": 1 },
             "name": { "description": "what the recipe is called", "type": "string" },
             "description": { "description": "what the recipe does", "type": "string" },
+            "space": {
+                "description": "whose coordinates the recipe is in: those of the world, where the scene of a glTF places each mesh, or each mesh's own",
+                "enum": SPACES,
+                "default": SPACES[0],
+            },
             "warp": {
                 "description": "the warps, first applied first; none leaves the model as it is",
                 "type": "array",

@@ -43,7 +43,11 @@ pub(crate) fn run(options: &CageOptions) -> Result<(), Failure> {
             options.output.display()
         )));
     }
-    let document = model::read(&options.model, &ReadOptions::default())?;
+    let document = model::read(
+        &options.model,
+        &ReadOptions::default(),
+        options.allow_outside,
+    )?;
     match document.points() {
         Points::Plane(_) => write::<Plane>(options, kind, table, document.as_ref()),
         Points::Solid(_) => write::<Solid>(options, kind, table, document.as_ref()),

@@ -9,6 +9,7 @@ use crate::model::{ModelSpace, build, read, read_recipe, size};
 use anamorph_catalog::Context;
 use anamorph_core::{Bounds, Plane, Solid, Stack, map_all};
 use anamorph_io::{Document, Points, ReadOptions};
+use anamorph_recipe::Recipe;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
@@ -16,10 +17,10 @@ use std::path::Path;
 /// The verdicts on one recipe, as text and as JSON.
 fn check_one<S: ModelSpace>(
     path: &Path,
+    recipe: &Recipe,
     options: &CheckOptions,
     document: Option<&dyn Document>,
 ) -> Result<(String, Value), Failure> {
-    let recipe = read_recipe(path, &options.set)?;
     let beside = RecipeFiles::beside(path, options.allow_outside);
     let (built, points, on) = match document {
         Some(document) => {
@@ -30,7 +31,7 @@ fn check_one<S: ModelSpace>(
                 .as_deref()
                 .map(files::shown)
                 .unwrap_or_default();
-            (build(&recipe, document, &points, &beside)?, points, name)
+            (build(recipe, document, &points, &beside)?, points, name)
         }
         None => {
             let points = stand_in::<S>();
@@ -89,32 +90,46 @@ fn stand_in<S: ModelSpace>() -> Vec<S> {
         .collect()
 }
 
+/// One recipe, on the model or on a stand-in.
+fn check_recipe(
+    path: &Path,
+    options: &CheckOptions,
+    documents: &mut [Option<Box<dyn Document>>; 2],
+) -> Result<(String, Value), Failure> {
+    let recipe = read_recipe(path, &options.set)?;
+    let document = &mut documents[usize::from(recipe.is_local())];
+    if let (Some(model), None) = (&options.model, &document) {
+        let read_options = ReadOptions::default().local(recipe.is_local());
+        *document = Some(read(model, &read_options, options.allow_outside)?);
+    }
+    let document = document.as_deref();
+    let plane = match document {
+        Some(document) => matches!(document.points(), Points::Plane(_)),
+        None => options.plane,
+    };
+    if plane {
+        return check_one::<Plane>(path, &recipe, options, document);
+    }
+    match (
+        check_one::<Solid>(path, &recipe, options, document),
+        document,
+    ) {
+        // Without a model a recipe that only makes sense in the plane is taken for one of the plane.
+        (Err(failure), None) => {
+            check_one::<Plane>(path, &recipe, options, None).map_err(|_| failure)
+        }
+        (solid, _) => solid,
+    }
+}
+
 pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
     files::at_most_one_stream(options.recipes.iter().chain(&options.model))?;
-    let document = match &options.model {
-        Some(path) => Some(read(path, &ReadOptions::default())?),
-        None => None,
-    };
-    let document = document.as_deref();
+    // The model in world coordinates and in local ones, each read when a recipe asks for it.
+    let mut documents: [Option<Box<dyn Document>>; 2] = [None, None];
     let mut out = std::io::stdout().lock();
     let (mut failed, mut all) = (false, Vec::new());
     for (number, path) in options.recipes.iter().enumerate() {
-        let plane = match document {
-            Some(document) => matches!(document.points(), Points::Plane(_)),
-            None => options.plane,
-        };
-        let result = if plane {
-            check_one::<Plane>(path, options, document)
-        } else {
-            let solid = check_one::<Solid>(path, options, document);
-            // Without a model a recipe that only makes sense in the plane is taken for one of the plane.
-            match (solid, document) {
-                (Err(failure), None) if !files::is_stream(path) => {
-                    check_one::<Plane>(path, options, None).map_err(|_| failure)
-                }
-                (solid, _) => solid,
-            }
-        };
+        let result = check_recipe(path, options, &mut documents);
         match result {
             Ok((text, value)) => {
                 all.push(value);

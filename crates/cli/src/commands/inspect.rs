@@ -7,7 +7,7 @@ use anamorph_io::{Inspection, ReadOptions};
 use serde_json::{Value, json};
 use std::io::Write;
 
-fn to_json(name: &str, inspection: &Inspection) -> Value {
+fn to_json(name: &str, inspection: &Inspection, notes: &[String]) -> Value {
     let counts: serde_json::Map<String, Value> = inspection
         .counts
         .iter()
@@ -34,10 +34,11 @@ fn to_json(name: &str, inspection: &Inspection) -> Value {
         "bounds": inspection.bounds.as_ref().map(|(min, max)| json!({ "min": min, "max": max })),
         "attributes": inspection.attributes,
         "problems": problems,
+        "notes": notes,
     })
 }
 
-fn to_text(name: &str, inspection: &Inspection) -> String {
+fn to_text(name: &str, inspection: &Inspection, notes: &[String]) -> String {
     let numbers = |list: &[f64]| {
         list.iter()
             .map(|x| files::short(*x))
@@ -73,6 +74,9 @@ fn to_text(name: &str, inspection: &Inspection) -> String {
             format!("{title}: {}, first {}{line}", problem.count, problem.first),
         ));
     }
+    for note in notes {
+        rows.push(("note", note.clone()));
+    }
     let width = rows.iter().map(|(what, _)| what.len()).max().unwrap_or(0);
     let lines = rows
         .iter()
@@ -95,14 +99,14 @@ pub(crate) fn run(options: &InspectOptions) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let (mut failed, mut all) = (false, Vec::new());
     for path in &options.files {
-        match model::read(path, &ReadOptions::for_inspection()) {
+        match model::read(path, &ReadOptions::for_inspection(), options.allow_outside) {
             Ok(document) => {
                 let inspection = document.inspect();
-                let name = files::shown(path);
+                let (name, notes) = (files::shown(path), document.notes());
                 if options.json {
-                    all.push(to_json(&name, &inspection));
+                    all.push(to_json(&name, &inspection, &notes));
                 } else {
-                    write!(out, "{}", to_text(&name, &inspection))
+                    write!(out, "{}", to_text(&name, &inspection, &notes))
                         .map_err(|error| output(&error))?;
                 }
             }

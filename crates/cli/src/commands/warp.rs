@@ -2,6 +2,7 @@
 
 use super::promises::{fold, promises, to_json};
 use crate::arguments::WarpOptions;
+use crate::companions::Copies;
 use crate::error::{Failure, say};
 use crate::files::{self, Pending};
 use crate::meshes::RecipeFiles;
@@ -251,8 +252,10 @@ fn warp_one(
     for (path, _) in job.results() {
         files::refuse_existing(path, options.force)?;
     }
-    let read_options = ReadOptions::default().allow_nonfinite(options.allow_nonfinite);
-    let document = model::read(&job.model, &read_options)?;
+    let read_options = ReadOptions::default()
+        .allow_nonfinite(options.allow_nonfinite)
+        .local(recipe.is_local());
+    let document = model::read(&job.model, &read_options, options.allow_outside)?;
     let target = conversion(job, document.as_ref())?;
     match document.points() {
         Points::Plane(_) => {
@@ -304,6 +307,7 @@ fn warp_document<S: ModelSpace>(
     let mut model_file = begin(&job.output)?;
     let mut report_file = job.report.as_ref().map(begin).transpose()?;
     let mut preview_file = job.preview.as_ref().map(begin).transpose()?;
+    let mut copies = Copies::begin(document, &job.model, &job.output, options.force)?;
     if let (Some(file), Some(path)) = (&mut preview_file, &job.preview) {
         let kind = picture::Kind::of(path, options.turntable)?;
         let (before, after) = (&rest[..visible], &moved[..visible]);
@@ -373,7 +377,15 @@ fn warp_document<S: ModelSpace>(
     written?;
     if let Some(file) = &mut report_file {
         let mut value = report_json(
-            job, options, document, &built, rest, &moved, &report, policy, size,
+            job,
+            options,
+            document,
+            &built,
+            &rest[..visible],
+            &moved[..visible],
+            &report,
+            policy,
+            size,
         );
         if let Some(target) = target {
             value["conversion"] = json!({ "to": target.name, "lost": lost.0 });
@@ -381,13 +393,14 @@ fn warp_document<S: ModelSpace>(
         let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
         file.fill(|out| writeln!(out, "{text}"))?;
     }
+    let own = [preview_file, report_file, Some(model_file)];
     files::keep_all(
-        [preview_file, report_file, Some(model_file)]
+        std::mem::take(&mut copies.files)
             .into_iter()
-            .flatten(),
+            .chain(own.into_iter().flatten()),
     )?;
     if !options.quiet {
-        summary(job, &built, rest.len(), &report, policy);
+        summary(job, &built, visible, &report, policy);
         for note in document.notes() {
             say!("  note: {note}");
         }
@@ -400,6 +413,7 @@ fn warp_document<S: ModelSpace>(
                 );
             }
         }
+        copies.print();
         if !built.parts.is_empty() {
             if report.moved_points == 0 {
                 say!(
@@ -517,7 +531,7 @@ fn report_json<S: ModelSpace>(
         "format": document.format(),
         "space": S::NAME,
         "points": {
-            "count": document.visible().min(rest.len()),
+            "count": rest.len(),
             "moved": report.moved_points,
             "not_finite": document.nonfinite().len(),
             "farthest": farthest.map(|(index, distance)| json!({ "index": index, "distance": distance })),
@@ -530,6 +544,7 @@ fn report_json<S: ModelSpace>(
             "added": report.added_normals,
             "kept": report.kept_normals,
         },
+        "notes": document.notes(),
         "warps": to_json(&promises(built, rest, size)),
     })
 }

@@ -1,6 +1,7 @@
 //! One file per format (and a folder beside it where one file is not enough).
 
 pub(crate) mod csv;
+pub(crate) mod gltf;
 pub(crate) mod gltf_create;
 pub(crate) mod obj;
 pub(crate) mod off;

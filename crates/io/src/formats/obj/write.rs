@@ -54,7 +54,7 @@ pub(super) fn write(
 }
 
 impl WriteReport {
-    fn put(&mut self, bytes: &[u8], out: &mut dyn Write) -> Result<(), WriteError> {
+    pub(crate) fn put(&mut self, bytes: &[u8], out: &mut dyn Write) -> Result<(), WriteError> {
         out.write_all(bytes)?;
         self.bytes += bytes.len() as u64;
         Ok(())
