@@ -65,6 +65,9 @@ fn reach<S: Space>(
     })
 }
 
+/// Source points and their targets.
+type Both<S> = (Vec<S>, Vec<S>);
+
 /// The files of a warp.
 struct Files<S> {
     source: Option<Feature<S>>,
@@ -84,7 +87,7 @@ impl<S: Space> Files<S> {
     }
 
     /// The points of both, if there are files; `kind` is what a cage may say that it is for.
-    fn points(&self, kind: &str) -> Result<Option<(Vec<S>, Vec<S>)>, ConstructError> {
+    fn points(&self, kind: &str) -> Result<Option<Both<S>>, ConstructError> {
         let (source, target) = match (&self.source, &self.target) {
             (None, None) => return Ok(None),
             (Some(source), Some(target)) => (source, target),
