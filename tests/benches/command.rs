@@ -269,7 +269,7 @@ fn binary(criterion: &mut Criterion) {
             y,
         ));
     }
-    let bounds = anamorph_core::Bounds::of(&rest).unwrap();
+    let bounds = Bounds::of(&rest).unwrap();
     let entry = anamorph_tests::subjects::entry::<anamorph_core::Solid>("lattice");
     let warp = (entry.construct)(&parameters, &anamorph_catalog::Context::of_bounds(bounds))
         .map_err(|error| error.to_string())
@@ -279,7 +279,7 @@ fn binary(criterion: &mut Criterion) {
         let mut points = rest.clone();
         bencher.iter(|| {
             points.copy_from_slice(&rest);
-            let _ = anamorph_core::map_all_parallel(&warp, &mut points, &|_| {});
+            let _ = map_all_parallel(&warp, &mut points, &|_| {});
             let bytes = std::fs::read(&model).unwrap();
             std::fs::write(&output, &bytes).unwrap();
         });

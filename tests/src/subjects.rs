@@ -88,6 +88,7 @@ impl<S: Registered> Subject<S> {
             bounds: Some(self.bounds),
             scaling: self.setting.scaling,
             attributes: None,
+            meshes: None,
         };
         (self.entry.construct)(&self.value, &context)
     }
