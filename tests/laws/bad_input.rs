@@ -602,6 +602,7 @@ fn mutated_parameters_never_panic<S: Registered>() {
         let context = Context {
             bounds: Some(bounds[round % bounds.len()]),
             scaling: settings_scaling(round),
+            meshes: None,
             attributes: None,
         };
         let Ok(built) = (entry::<S>(kind).construct)(&value, &context) else {

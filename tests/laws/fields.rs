@@ -73,6 +73,7 @@ fn fields<S: Registered>(bounds: Bounds<S>) -> Vec<(String, Box<dyn Field<S>>)> 
     let context = Context {
         bounds: Some(bounds),
         scaling: None,
+        meshes: None,
         attributes: Some(&Weights),
     };
     let all = entries::<S>();
