@@ -113,7 +113,7 @@ fn rich(
     feed: &str,
 ) -> Vec<u8> {
     let name = |kind: usize| {
-        if kind % 2 == 0 {
+        if kind.is_multiple_of(2) {
             TYPES[kind].0
         } else {
             TYPES[kind].1
