@@ -227,6 +227,7 @@ fn frames_that_overflow_are_reported_at_their_parameter() {
         let context = Context {
             bounds: Some(Bounds::new(Solid::ZERO, Solid::ONE)),
             scaling: Some(scaling),
+            meshes: None,
             attributes: None,
         };
         let built = (entry::<Solid>("frame-lattice").construct)(&parameters(toml), &context);
