@@ -219,6 +219,7 @@ macro_rules! entry {
         WarpEntry {
             kind: $kind,
             system: "T1",
+            figure: "",
             summary: "Moves points.",
             reference: "No one, Nowhere, 1900",
             example: $example,
