@@ -63,7 +63,7 @@ impl Frame {
         }
         let back = linear.inverse();
         let back = DMat3::from_cols(back.x_axis / size, back.y_axis / size, back.z_axis / size);
-        let shift = -(back * DVec3::from(world.translation));
+        let shift = -(back * world.translation);
         let back = DAffine3::from_mat3_translation(back, shift);
         back.is_finite().then_some(Self(Some((world, back))))
     }
@@ -80,7 +80,7 @@ impl Frame {
             None => normal,
             Some((_, back)) => {
                 let columns = [back.x_axis, back.y_axis, back.z_axis];
-                let out = DVec3::from_array(columns.map(|c| DVec3::from(c).dot(normal)));
+                let out = DVec3::from_array(columns.map(|c| c.dot(normal)));
                 unit(out).unwrap_or(normal)
             }
         }
@@ -90,7 +90,7 @@ impl Frame {
             None => normal,
             Some((world, _)) => {
                 let columns = [world.x_axis, world.y_axis, world.z_axis];
-                DVec3::from_array(columns.map(|c| DVec3::from(c).dot(normal)))
+                DVec3::from_array(columns.map(|c| c.dot(normal)))
             }
         }
     }

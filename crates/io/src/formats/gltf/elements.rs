@@ -147,10 +147,10 @@ pub(super) fn attributes(model: &Model) -> Vec<String> {
 
 /// The stored, linear light as the numbers that pictures hold (IEC 61966-2-1, sRGB).
 fn encoded(linear: f64) -> f64 {
-    if !(linear > 0.003_130_8) {
-        12.92 * linear
-    } else {
+    if linear > 0.003_130_8 {
         1.055 * math::pow(linear, 1.0 / 2.4) - 0.055
+    } else {
+        12.92 * linear
     }
 }
 
