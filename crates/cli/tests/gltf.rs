@@ -291,7 +291,10 @@ fn a_recipe_chooses_its_space() {
         ])
         .failed(
             1,
-            &["odd.toml:1:9: space: \"screen\" is no space", "\"local\""],
+            &[
+                "odd.toml:1:9: space: the text \"screen\" is no space",
+                "\"local\"",
+            ],
         );
 }
 

@@ -37,7 +37,7 @@ const CASES: &[Case] = &[
     ("a.toml", "version = 1\nwarp = [3]\n", &[], "a.toml:2:9: warp.0: a warp is a table, and this is the number 3"),
     ("a.toml", "version = 1\n[[warps]]\nkind = \"shift\"\n", &[], "a.toml:2:3: warps: unknown key `warps`; did you mean `warp`? known here: version, warp, space, name, description"),
     ("a.toml", "version = 1\nkind = \"shift\"\noffset = [1, 2, 3]\n", &[], "a.toml:2:1: kind: this stands outside of any warp; begin each warp with [[warp]]"),
-    ("a.toml", "version = 1\nspace = \"lokal\"\n", &[], "a.toml:2:9: space: \"lokal\" is no space; write \"world\" (where the scene places each mesh) or \"local\" (each mesh in its own coordinates)"),
+    ("a.toml", "version = 1\nspace = \"lokal\"\n", &[], "a.toml:2:9: space: the text \"lokal\" is no space; write \"world\" (where the scene places each mesh) or \"local\" (each mesh in its own coordinates)"),
     ("a.toml", "version = 1\nmask = 0.5\n", &[], "a.toml:2:1: mask: unknown key `mask`; begin each warp with [[warp]]"),
     ("a.toml", "version = 1\nname = 5\ndescription = [\"x\"]\n", &[], "a.toml:2:8: name: the number 5 where text in quotes was expected\na.toml:3:15: description: a list where text in quotes was expected"),
     ("a.json", "{\"version\": 1, \"warp\": {\"kind\": \"shift\"}}", &[], "a.json:1:16: warp: `warp` is a list of tables, and this is a table; write \"warp\": [{ … }]"),
