@@ -65,6 +65,23 @@ pub trait Document: Send + Sync {
     /// [`WriteError::Mismatch`], [`WriteError::NonFinite`] and [`WriteError::DoesNotFit`] before anything is written;
     /// [`WriteError::Output`] when `out` fails, with a part written.
     fn write(&self, moved: &Moved<'_>, out: &mut dyn Write) -> Result<WriteReport, WriteError>;
+    /// Names of the formats, besides its own, that hold all that this document holds.
+    fn sisters(&self) -> &'static [&'static str] {
+        &[]
+    }
+    /// As [`Document::write`], in the form of one of [`Document::sisters`]; any other name is that of its own format.
+    ///
+    /// # Errors
+    /// As [`Document::write`].
+    fn write_as(
+        &self,
+        sister: &str,
+        moved: &Moved<'_>,
+        out: &mut dyn Write,
+    ) -> Result<WriteReport, WriteError> {
+        let _ = sister;
+        self.write(moved, out)
+    }
 }
 
 /// Positions, in the plane or in space.

@@ -214,19 +214,31 @@ fn warp_all(
     }
 }
 
-/// The format that the name of the output asks for, where it is another than the document's: `None` keeps the file's own.
-fn conversion(
-    job: &Job,
-    document: &dyn Document,
-) -> Result<Option<&'static anamorph_io::Target>, Failure> {
+/// The form in which a model is written.
+#[derive(Clone, Copy)]
+enum Form {
+    /// The file's own, to the byte where nothing moves.
+    Own,
+    /// Another that holds all of it; by name.
+    Sister(&'static str),
+    /// Another that may not.
+    Other(&'static anamorph_io::Target),
+}
+
+/// The form that the name of the output asks for.
+fn form(job: &Job, document: &dyn Document) -> Result<Form, Failure> {
     let Some(extension) = job.output.extension().and_then(|e| e.to_str()) else {
-        return Ok(None);
+        return Ok(Form::Own);
     };
     let extension = extension.to_ascii_lowercase();
     let has = |known: &[&str]| known.contains(&extension.as_str());
     let other = anamorph_io::formats().iter().find(|f| has(f.extensions()));
     if other.is_some_and(|format| format.name() == document.format()) {
-        return Ok(None);
+        return Ok(Form::Own);
+    }
+    let mut sisters = document.sisters().iter();
+    if let Some(sister) = sisters.find(|name| other.is_some_and(|f| f.name() == **name)) {
+        return Ok(Form::Sister(sister));
     }
     let target = anamorph_io::targets().iter().find(|t| has(t.extensions));
     if let (None, Some(other)) = (target, other) {
@@ -240,7 +252,7 @@ fn conversion(
             names.join(", .")
         )));
     }
-    Ok(target)
+    Ok(target.map_or(Form::Own, Form::Other))
 }
 
 fn warp_one(
@@ -256,13 +268,13 @@ fn warp_one(
         .allow_nonfinite(options.allow_nonfinite)
         .local(recipe.is_local());
     let document = model::read(&job.model, &read_options, options.allow_outside)?;
-    let target = conversion(job, document.as_ref())?;
+    let form = form(job, document.as_ref())?;
     match document.points() {
         Points::Plane(_) => {
-            warp_document::<Plane>(job, recipe, beside, options, document.as_ref(), target)
+            warp_document::<Plane>(job, recipe, beside, options, document.as_ref(), form)
         }
         Points::Solid(_) => {
-            warp_document::<Solid>(job, recipe, beside, options, document.as_ref(), target)
+            warp_document::<Solid>(job, recipe, beside, options, document.as_ref(), form)
         }
     }
 }
@@ -273,7 +285,7 @@ fn warp_document<S: ModelSpace>(
     beside: &RecipeFiles,
     options: &WarpOptions,
     document: &dyn Document,
-    target: Option<&'static anamorph_io::Target>,
+    form: Form,
 ) -> Result<(), Failure> {
     let name = files::shown(&job.model);
     let rest = S::points(document.points()).unwrap_or_default();
@@ -357,9 +369,10 @@ fn warp_document<S: ModelSpace>(
         if matches!(normals, Normals::Transform(_)) {
             wrapped = wrapped.with_tangents(&carry_along);
         }
-        let written = match target {
-            None => document.write(&wrapped, out),
-            Some(target) => document.geometry(&wrapped).and_then(|geometry| {
+        let written = match form {
+            Form::Own => document.write(&wrapped, out),
+            Form::Sister(name) => document.write_as(name, &wrapped, out),
+            Form::Other(target) => document.geometry(&wrapped).and_then(|geometry| {
                 lost = target.create(&geometry, out)?;
                 Ok(converted(rest, &moved, report))
             }),
@@ -387,8 +400,14 @@ fn warp_document<S: ModelSpace>(
             policy,
             size,
         );
-        if let Some(target) = target {
-            value["conversion"] = json!({ "to": target.name, "lost": lost.0 });
+        match form {
+            Form::Own => {}
+            Form::Sister(name) => {
+                value["conversion"] = json!({ "to": name, "lost": Vec::<String>::new() });
+            }
+            Form::Other(target) => {
+                value["conversion"] = json!({ "to": target.name, "lost": lost.0 });
+            }
         }
         let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
         file.fill(|out| writeln!(out, "{text}"))?;
@@ -404,7 +423,13 @@ fn warp_document<S: ModelSpace>(
         for note in document.notes() {
             say!("  note: {note}");
         }
-        if let Some(target) = target {
+        if let Form::Sister(name) = form {
+            say!(
+                "  written as {}, which holds all of it",
+                name.to_uppercase()
+            );
+        }
+        if let Form::Other(target) = form {
             say!("  converted to {}", target.title);
             if !lost.is_empty() {
                 say!(

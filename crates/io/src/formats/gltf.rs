@@ -699,6 +699,26 @@ impl Document for Model {
         inspect::inspect(self)
     }
     fn write(&self, moved: &Moved<'_>, out: &mut dyn Write) -> Result<WriteReport, WriteError> {
-        write::write(self, moved, out)
+        write::write(self, moved, self.format == "glb", out)
+    }
+    fn sisters(&self) -> &'static [&'static str] {
+        if self.format == "glb" {
+            &["gltf"]
+        } else {
+            &["glb"]
+        }
+    }
+    fn write_as(
+        &self,
+        sister: &str,
+        moved: &Moved<'_>,
+        out: &mut dyn Write,
+    ) -> Result<WriteReport, WriteError> {
+        let binary = match sister {
+            "glb" => true,
+            "gltf" => false,
+            _ => self.format == "glb",
+        };
+        write::write(self, moved, binary, out)
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Every instance says what the accessors of its mesh should hold. Instances of a mesh that agree share it; where they do
 //! not, the mesh is copied for the others. Then every accessor that is to change gets its content: in place where its bytes
-//! are its own, else as new data to which the accessor, or a new one, leads.
+//! are its own, else as new data to which the accessor, or a new one, leads. A text becomes a GLB by taking its first buffer
+//! into the BIN chunk, a GLB a text by giving that buffer a data URI.
 
 use super::accessor::{Component, Layout};
 use super::container;
@@ -23,6 +24,7 @@ const FLOAT: usize = 5126;
 pub(super) fn write(
     model: &Model,
     moved: &Moved<'_>,
+    binary: bool,
     out: &mut dyn Write,
 ) -> Result<WriteReport, WriteError> {
     model.points().check(&moved.points)?;
@@ -55,7 +57,7 @@ pub(super) fn write(
     let mut plan = Plan::new(model, &movement.data);
     let wanted = plan.split(&outcomes);
     plan.store(wanted, &outcomes);
-    plan.write(&mut report, out)?;
+    plan.write(binary, &mut report, out)?;
     Ok(report)
 }
 
@@ -370,8 +372,39 @@ impl<'a> Plan<'a> {
         }
     }
 
+    /// The bytes of the first buffer as they are to be written, if it has any.
+    fn first(&self) -> Option<&[u8]> {
+        let buffer = self.model.buffers.first()?;
+        let bytes = match (self.patched.get(&0), &buffer.source) {
+            (_, Source::Nowhere) => return None,
+            (Some(bytes), _) => &bytes[..],
+            (None, _) => self.data.first()?,
+        };
+        Some(bytes)
+    }
+
+    /// Moves the first buffer between the JSON and the BIN chunk, where the form changes.
+    fn change_form(&mut self, binary: bool) {
+        let root = self.model.json.root();
+        let Some(value) = listed(root, "buffers").first().copied() else {
+            return;
+        };
+        match (&self.model.buffers[0].source, binary) {
+            (Source::Data { .. } | Source::File, true) => {
+                self.edits.replace(value, rebuilt(value, &[("uri", None)]));
+            }
+            (Source::Chunk, false) => {
+                let bytes = self.first().unwrap_or_default();
+                let content = container::to_base64(bytes);
+                let uri = quoted(&format!("data:application/octet-stream;base64,{content}"));
+                self.edits.insert(value, "uri", &uri);
+            }
+            _ => {}
+        }
+    }
+
     /// Makes the edits that follow from all others.
-    fn finish(&mut self) {
+    fn finish(&mut self, binary: bool) {
         let root = self.model.json.root();
         let texts = self.copies.iter().map(|copy| {
             let value = listed(root, "meshes")[copy.mesh];
@@ -403,6 +436,9 @@ impl<'a> Plan<'a> {
             let Source::Data { head } = &self.model.buffers[number].source else {
                 continue;
             };
+            if number == 0 && binary {
+                continue;
+            }
             let uri = format!("{head}{}", container::to_base64(bytes));
             if let Some(value) = listed(root, "buffers")[number].get("uri") {
                 self.edits.replace(value, quoted(&uri));
@@ -427,45 +463,73 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn write(mut self, report: &mut WriteReport, out: &mut dyn Write) -> Result<(), WriteError> {
-        self.finish();
+    fn write(
+        mut self,
+        binary: bool,
+        report: &mut WriteReport,
+        out: &mut dyn Write,
+    ) -> Result<(), WriteError> {
+        self.finish(binary);
         let model = self.model;
+        let refused = |what: &str, mend: &str| WriteError::Refused {
+            what: what.to_owned(),
+            mend: mend.to_owned(),
+        };
+        if model.chunks.is_some() != binary {
+            self.change_form(binary);
+        }
         let text = (!self.edits.is_empty())
             .then(|| self.edits.apply(&model.json.text, 0..model.json.text.len()));
-        let Some(chunks) = &model.chunks else {
+        if !binary {
+            if model.chunks.as_ref().is_some_and(|c| !c.rest.is_empty()) {
+                return Err(refused(
+                    "the model has chunks of its own kind, which only a GLB holds",
+                    "name the output .glb",
+                ));
+            }
             let text = text.as_ref().unwrap_or(&model.json.text);
+            let text = if model.chunks.is_some() {
+                text.trim_end_matches([' ', '\0'])
+            } else {
+                text
+            };
             return report.put(text.as_bytes(), out);
-        };
-        if text.is_none() && self.patched.is_empty() {
-            return report.put(&model.bytes, out);
         }
-        let mut json = match text {
-            Some(text) => text.trim_end_matches([' ', '\0']).as_bytes().to_vec(),
-            None => model.bytes[chunks.json.clone()].to_vec(),
+        let mut rest = &[][..];
+        let mut json = match (&model.chunks, text) {
+            (Some(chunks), text) => {
+                if text.is_none() && self.patched.is_empty() {
+                    return report.put(&model.bytes, out);
+                }
+                rest = &model.bytes[chunks.rest.clone()];
+                match text {
+                    Some(text) => text.trim_end_matches([' ', '\0']).as_bytes().to_vec(),
+                    None => model.bytes[chunks.json.clone()].to_vec(),
+                }
+            }
+            (None, text) => text.unwrap_or_else(|| model.json.text.clone()).into_bytes(),
         };
         json.resize(json.len().next_multiple_of(4), b' ');
-        let old = chunks.bin.clone().map(|range| &model.bytes[range]);
-        let bin = self.patched.get_mut(&0).map(|bytes| {
-            bytes.resize(bytes.len().next_multiple_of(4), 0);
-            &bytes[..]
-        });
-        let bin = bin.or(old);
-        let rest = &model.bytes[chunks.rest.clone()];
-        let header = container::glb_header(json.len(), bin.map(<[u8]>::len), rest.len());
-        let Some(header) = header else {
-            return Err(WriteError::Refused {
-                what: "the warped model has more than 4 GiB, which a GLB cannot hold".into(),
-                mend:
-                    "save the model as .gltf, with its buffers in files of their own, and warp that"
-                        .into(),
-            });
+        // An unchanged chunk is written with the padding it has.
+        let bin = match (&model.chunks, self.patched.get(&0)) {
+            (Some(chunks), None) => chunks.bin.clone().map(|range| &model.bytes[range]),
+            _ => self.first(),
+        };
+        let padding = bin.map_or(0, |bin| bin.len().next_multiple_of(4) - bin.len());
+        let length = bin.map(|bin| bin.len() + padding);
+        let Some(header) = container::glb_header(json.len(), length, rest.len()) else {
+            return Err(refused(
+                "the warped model has more than 4 GiB, which a GLB cannot hold",
+                "save the model as .gltf, with its buffers in files of their own, and warp that",
+            ));
         };
         report.put(&header, out)?;
         report.put(&container::chunk_header(true, json.len()), out)?;
         report.put(&json, out)?;
-        if let Some(bin) = bin {
-            report.put(&container::chunk_header(false, bin.len()), out)?;
+        if let (Some(bin), Some(length)) = (bin, length) {
+            report.put(&container::chunk_header(false, length), out)?;
             report.put(bin, out)?;
+            report.put(&[0; 3][..padding], out)?;
         }
         report.put(rest, out)
     }
