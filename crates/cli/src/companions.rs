@@ -177,7 +177,7 @@ fn same_content(a: &Path, b: &Path) -> bool {
     let length = |path: &Path| {
         std::fs::metadata(path)
             .ok()
-            .filter(|m| m.is_file())
+            .filter(std::fs::Metadata::is_file)
             .map(|m| m.len())
     };
     length(a).is_some()
