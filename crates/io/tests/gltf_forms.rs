@@ -1,5 +1,7 @@
 //! The two forms of glTF hold the same: what goes from one to the other and back has lost nothing.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use anamorph_core::glam::DVec3;
 use anamorph_io::{Companions, Document, Moved, Normals, Points, ReadOptions, read_with};
 use std::path::{Path, PathBuf};

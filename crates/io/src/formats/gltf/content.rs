@@ -13,14 +13,37 @@ use super::scene::{Instance, Job};
 use crate::normals::unit;
 use crate::{Normals, WriteError};
 use anamorph_core::glam::{DAffine3, DMat3, DVec3};
+use core::hash::{Hash, Hasher};
 use core::sync::atomic::{AtomicUsize, Ordering};
 
-/// New numbers for an accessor.
-#[derive(PartialEq, Eq, Hash)]
+/// New numbers for an accessor, `width` an element. Equal is what is equal bit for bit.
 pub(super) struct Content {
-    /// Bits of the floats, `width` an element.
-    pub(super) bits: Vec<u32>,
+    pub(super) numbers: Vec<f32>,
     pub(super) width: usize,
+}
+
+impl PartialEq for Content {
+    fn eq(&self, other: &Self) -> bool {
+        self.width == other.width
+            && self.numbers.len() == other.numbers.len()
+            && self
+                .numbers
+                .iter()
+                .zip(&other.numbers)
+                .all(|(a, b)| a.to_bits() == b.to_bits())
+    }
+}
+
+impl Eq for Content {}
+
+impl Hash for Content {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        self.width.hash(hasher);
+        self.numbers.len().hash(hasher);
+        for number in &self.numbers {
+            number.to_bits().hash(hasher);
+        }
+    }
 }
 
 /// What the jobs of an instance's mesh make; `None` where all stays as it is.
@@ -162,9 +185,9 @@ fn set<const N: usize>(value: &mut [f32; N], new: DVec3) -> bool {
     changed
 }
 
-fn content<const N: usize>(values: &[[f32; N]], changed: usize) -> Option<Content> {
+fn content<const N: usize>(values: Vec<[f32; N]>, changed: usize) -> Option<Content> {
     (changed > 0).then(|| Content {
-        bits: values.as_flattened().iter().map(|x| x.to_bits()).collect(),
+        numbers: values.into_flattened(),
         width: N,
     })
 }
@@ -223,7 +246,7 @@ impl Movement<'_> {
                     });
                     tally.changed += changed;
                     tally.kept += kept.into_inner();
-                    content(&values, changed)
+                    content(values, changed)
                 }
                 Job::Tangent {
                     slot,
@@ -252,7 +275,7 @@ impl Movement<'_> {
                                     .flatten()
                                     .is_some_and(|new| set(value, new))
                             });
-                            content(&values, changed)
+                            content(values, changed)
                         }
                         None => self.direction_deltas::<3>(
                             instance,
@@ -364,7 +387,7 @@ impl Movement<'_> {
             changed
         });
         match worst.into_inner() {
-            usize::MAX => Ok(content(&values, changed)),
+            usize::MAX => Ok(content(values, changed)),
             vertex => Err(self.too_far(instance, vertex)),
         }
     }
@@ -392,7 +415,7 @@ impl Movement<'_> {
                 return Err(self.too_far(instance, vertex as usize));
             }
         }
-        Ok(content(&values, changed))
+        Ok(content(values, changed))
     }
 
     /// A direction at a point, in the coordinates of the mesh; scaled to unit length where it changes.
@@ -478,7 +501,7 @@ impl Movement<'_> {
             }
             changed || flips
         });
-        content(&values, changed)
+        content(values, changed)
     }
 
     /// The deltas of a target's normals or tangents (`N` numbers of the base an element). `new` is what becomes of the base.
@@ -516,15 +539,12 @@ impl Movement<'_> {
                 Carried::New(new) => new * length,
                 _ => morphed,
             };
-            let base = new.map_or(from, |content| {
-                let bits = &content.bits[i * N..i * N + 3];
-                DVec3::from_array([0, 1, 2].map(|c| f64::from(f32::from_bits(bits[c]))))
-            });
+            let base = new.map_or(from, |content| vector(&content.numbers[i * N..]));
             let moved = to - base;
             // Rounding alone rewrites nothing.
             (moved - delta).abs().max_element() >= SAME_DIRECTION && set(value, moved)
         });
-        content(&values, changed)
+        content(values, changed)
     }
 }
 

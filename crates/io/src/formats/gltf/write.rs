@@ -99,8 +99,10 @@ struct Plan<'a> {
     data: &'a [&'a [u8]],
     edits: Edits,
     copies: Vec<Copied>,
-    /// New content of buffers.
+    /// New content of buffers, as far as it could not stay where it is.
     patched: BTreeMap<usize, Vec<u8>>,
+    /// Contents that take the place of a whole stretch of the BIN chunk, by its first byte.
+    stretches: BTreeMap<usize, &'a [f32]>,
     /// Bytes to be added.
     added: Vec<u8>,
     views: Vec<String>,
@@ -121,6 +123,7 @@ impl<'a> Plan<'a> {
             edits: Edits::default(),
             copies: Vec::new(),
             patched: BTreeMap::new(),
+            stretches: BTreeMap::new(),
             added: Vec::new(),
             views: Vec::new(),
             accessors: Vec::new(),
@@ -128,7 +131,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Gives instances that disagree meshes of their own; says what is wanted of each accessor.
-    fn split(&mut self, outcomes: &[Outcome]) -> BTreeMap<usize, Wishes> {
+    fn split(&mut self, outcomes: &'a [Outcome]) -> BTreeMap<usize, Wishes> {
         let model = self.model;
         let mut of_mesh: Vec<Vec<usize>> = vec![Vec::new(); model.meshes.len()];
         for (i, instance) in model.instances.iter().enumerate() {
@@ -221,7 +224,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Finds room for every content.
-    fn store(&mut self, mut wishes: BTreeMap<usize, Wishes>, outcomes: &[Outcome]) {
+    fn store(&mut self, mut wishes: BTreeMap<usize, Wishes>, outcomes: &'a [Outcome]) {
         wishes.retain(|_, wishes| !wishes.new.is_empty());
         if wishes.is_empty() {
             return;
@@ -262,7 +265,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Writes a content over the accessor's own bytes, if they can hold it.
-    fn in_place(&mut self, number: usize, content: &Content) -> bool {
+    fn in_place(&mut self, number: usize, content: &'a Content) -> bool {
         let accessor = &self.model.accessors[number];
         let can_change = accessor.layouts().all(|layout| {
             matches!(
@@ -273,26 +276,35 @@ impl<'a> Plan<'a> {
         if accessor.component != Component::F32 || accessor.width != content.width || !can_change {
             return false;
         }
-        let replaced = accessor.replaced(self.data);
         let width = content.width;
+        if let (true, None, Some(base)) =
+            (accessor.is_tight(width), &accessor.sparse, accessor.base)
+            && matches!(self.model.buffers[base.buffer].source, Source::Chunk)
+        {
+            self.stretches.insert(base.start, &content.numbers);
+            return true;
+        }
+        let replaced = accessor.replaced(self.data);
         if accessor.base.is_none() {
             // All but the replaced elements are zeros and must stay so.
             let mut next = replaced.iter().peekable();
-            for (i, element) in content.bits.chunks_exact(width).enumerate() {
-                if next.next_if(|at| **at == i).is_none() && element.iter().any(|bits| *bits != 0) {
+            for (i, element) in content.numbers.chunks_exact(width).enumerate() {
+                if next.next_if(|at| **at == i).is_none()
+                    && element.iter().any(|x| x.to_bits() != 0)
+                {
                     return false;
                 }
             }
         }
         if let Some(base) = accessor.base {
             let bytes = self.bytes_of(base.buffer);
-            put(bytes, &base, content.bits.chunks_exact(width), &replaced);
+            put(bytes, &base, content.numbers.chunks_exact(width), &replaced);
         }
         if let Some(sparse) = &accessor.sparse {
             let bytes = self.bytes_of(sparse.values.buffer);
             let elements = replaced
                 .iter()
-                .filter_map(|at| content.bits.get(at * width..(at + 1) * width));
+                .filter_map(|at| content.numbers.get(at * width..(at + 1) * width));
             put(bytes, &sparse.values, elements, &[]);
         }
         true
@@ -338,7 +350,7 @@ impl<'a> Plan<'a> {
         let root = self.model.json.root();
         let offset = self.added.len();
         self.added
-            .extend(content.bits.iter().flat_map(|bits| bits.to_le_bytes()));
+            .extend(content.numbers.iter().flat_map(|x| x.to_le_bytes()));
         let (buffer, base) = self.room();
         let view = listed(root, "bufferViews").len() + self.views.len();
         self.views.push(format!(
@@ -394,8 +406,15 @@ impl<'a> Plan<'a> {
                 self.edits.replace(value, rebuilt(value, &[("uri", None)]));
             }
             (Source::Chunk, false) => {
-                let bytes = self.first().unwrap_or_default();
-                let content = container::to_base64(bytes);
+                let mut bytes = self.first().unwrap_or_default().to_vec();
+                for (&start, numbers) in &self.stretches {
+                    let stretch = bytes.get_mut(start..start + 4 * numbers.len());
+                    let places = stretch.unwrap_or_default().as_chunks_mut::<4>().0;
+                    for (place, number) in places.iter_mut().zip(*numbers) {
+                        *place = number.to_le_bytes();
+                    }
+                }
+                let content = container::to_base64(&bytes);
                 let uri = quoted(&format!("data:application/octet-stream;base64,{content}"));
                 self.edits.insert(value, "uri", &uri);
             }
@@ -498,7 +517,7 @@ impl<'a> Plan<'a> {
         let mut rest = &[][..];
         let mut json = match (&model.chunks, text) {
             (Some(chunks), text) => {
-                if text.is_none() && self.patched.is_empty() {
+                if text.is_none() && self.patched.is_empty() && self.stretches.is_empty() {
                     return report.put(&model.bytes, out);
                 }
                 rest = &model.bytes[chunks.rest.clone()];
@@ -528,11 +547,35 @@ impl<'a> Plan<'a> {
         report.put(&json, out)?;
         if let (Some(bin), Some(length)) = (bin, length) {
             report.put(&container::chunk_header(false, length), out)?;
-            report.put(bin, out)?;
+            stretched(bin, &self.stretches, report, out)?;
             report.put(&[0; 3][..padding], out)?;
         }
         report.put(rest, out)
     }
+}
+
+/// Numbers turned into bytes at a time.
+const PIECE: usize = 1 << 16;
+
+/// Writes bytes with contents in the place of some stretches of them, which do not overlap.
+fn stretched(
+    bytes: &[u8],
+    stretches: &BTreeMap<usize, &[f32]>,
+    report: &mut WriteReport,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    let mut done = 0;
+    let mut piece = Vec::with_capacity(4 * PIECE);
+    for (&start, numbers) in stretches {
+        report.put(bytes.get(done..start).unwrap_or(&[]), out)?;
+        for some in numbers.chunks(PIECE) {
+            piece.clear();
+            piece.extend(some.iter().flat_map(|x| x.to_le_bytes()));
+            report.put(&piece, out)?;
+        }
+        done = start + 4 * numbers.len();
+    }
+    report.put(bytes.get(done..).unwrap_or(&[]), out)
 }
 
 /// Joins wishes for the same content.
@@ -702,7 +745,7 @@ fn whole_views(root: Value<'_>) -> impl Iterator<Item = Layout> {
 fn put<'c>(
     bytes: &mut [u8],
     layout: &Layout,
-    elements: impl Iterator<Item = &'c [u32]>,
+    elements: impl Iterator<Item = &'c [f32]>,
     except: &[usize],
 ) {
     let mut except = except.iter().peekable();
@@ -712,8 +755,8 @@ fn put<'c>(
         }
         let start = layout.start + i * layout.stride;
         if let Some(place) = bytes.get_mut(start..start + 4 * element.len()) {
-            for (four, bits) in place.chunks_exact_mut(4).zip(element) {
-                four.copy_from_slice(&bits.to_le_bytes());
+            for (four, number) in place.chunks_exact_mut(4).zip(element) {
+                four.copy_from_slice(&number.to_le_bytes());
             }
         }
     }
@@ -723,9 +766,8 @@ fn put<'c>(
 fn bounds(content: &Content) -> Option<(Vec<f32>, Vec<f32>)> {
     let mut low = vec![f32::INFINITY; content.width];
     let mut high = vec![f32::NEG_INFINITY; content.width];
-    for element in content.bits.chunks_exact(content.width) {
-        for (axis, bits) in element.iter().enumerate() {
-            let value = f32::from_bits(*bits);
+    for element in content.numbers.chunks_exact(content.width) {
+        for (axis, &value) in element.iter().enumerate() {
             if value < low[axis] {
                 low[axis] = value;
             }
