@@ -1,7 +1,5 @@
 //! The finished pixels.
 
-use tiny_skia::{IntSize, Pixmap};
-
 use crate::PreviewError;
 
 /// A finished picture.
@@ -49,11 +47,22 @@ impl Picture {
     /// # Errors
     /// [`PreviewError::Png`] if the encoder fails.
     pub fn png(&self) -> Result<Vec<u8>, PreviewError> {
-        let failed = |reason: String| PreviewError::Png { reason };
-        let map = IntSize::from_wh(self.width, self.height)
-            .and_then(|size| Pixmap::from_vec(self.pixels.clone(), size))
-            .ok_or_else(|| failed(format!("no pixel map of {} × {}", self.width, self.height)))?;
-        map.encode_png().map_err(|error| failed(error.to_string()))
+        let failed = |error: png::EncodingError| PreviewError::Png {
+            reason: error.to_string(),
+        };
+        // Without the opacity, which is always full: a third smaller.
+        let (pixels, _) = self.pixels.as_chunks::<4>();
+        let rows: Vec<u8> = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_filter(png::Filter::Adaptive);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let mut writer = encoder.write_header().map_err(failed)?;
+        writer.write_image_data(&rows).map_err(failed)?;
+        writer.finish().map_err(failed)?;
+        Ok(file)
     }
 }
 
@@ -94,6 +103,7 @@ fn encode_srgb(value: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::mesh::decode_srgb;
+    use tiny_skia::Pixmap;
 
     #[test]
     fn every_byte_survives_decoding_and_encoding() {

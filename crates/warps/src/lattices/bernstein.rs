@@ -64,17 +64,12 @@ impl<S: Space> BernsteinLattice<S> {
         Ok(lattice)
     }
 
-    /// Bernstein values (or derivatives) along each axis at a local point.
-    fn basis(&self, local: S, derivative_axis: Option<usize>) -> [Vec<f64>; 3] {
+    /// Bernstein values along each axis at a local point.
+    fn basis(&self, local: S) -> [Vec<f64>; 3] {
         core::array::from_fn(|axis| {
             let mut values = vec![1.0; self.grid.shape()[axis]];
             if axis < S::DIM {
-                let t = local.component(axis);
-                if derivative_axis == Some(axis) {
-                    basis::bernstein::derivatives(t, &mut values);
-                } else {
-                    basis::bernstein::values(t, &mut values);
-                }
+                basis::bernstein::values(local.component(axis), &mut values);
             }
             values
         })
@@ -108,13 +103,35 @@ impl<S: Space> BernsteinLattice<S> {
         .with_note(note)
     }
 
-    fn sum(&self, basis: &[Vec<f64>; 3]) -> S {
-        let mut sum = S::ZERO;
-        for (flat, &d) in self.displacements.iter().enumerate() {
-            let [i, j, k] = self.grid.triple(flat);
-            sum += d * (basis[0][i] * basis[1][j] * basis[2][k]);
+    /// Derivatives of the displacement by the local coordinates: contracted axis by axis, values and derivatives together.
+    fn local_derivatives(&self, local: S) -> [S; 3] {
+        let mut values = [[1.0; MOST_POINTS]; 3];
+        let mut slopes = [[0.0; MOST_POINTS]; 3];
+        let shape = self.grid.shape();
+        for axis in 0..S::DIM {
+            let t = local.component(axis);
+            basis::bernstein::values(t, &mut values[axis][..shape[axis]]);
+            basis::bernstein::derivatives(t, &mut slopes[axis][..shape[axis]]);
         }
-        sum
+        let mut sums = [S::ZERO; 3];
+        let mut rows = self.displacements.chunks_exact(shape[2]);
+        for i in 0..shape[0] {
+            let mut planes = [S::ZERO; 3];
+            for (j, row) in rows.by_ref().take(shape[1]).enumerate() {
+                let (mut line, mut slope) = (S::ZERO, S::ZERO);
+                for (k, &d) in row.iter().enumerate() {
+                    line += d * values[2][k];
+                    slope += d * slopes[2][k];
+                }
+                planes[0] += line * values[1][j];
+                planes[1] += line * slopes[1][j];
+                planes[2] += slope * values[1][j];
+            }
+            sums[0] += planes[0] * slopes[0][i];
+            sums[1] += planes[1] * values[0][i];
+            sums[2] += planes[2] * values[0][i];
+        }
+        sums
     }
 }
 
@@ -165,9 +182,9 @@ impl<S: Space> Deformation<S> for BernsteinLattice<S> {
             return Some(S::Linear::IDENTITY);
         };
         let gradients = self.grid.local_gradients();
+        let along = self.local_derivatives(local);
         let mut jacobian = S::Linear::IDENTITY;
-        for axis in 0..S::DIM {
-            let along = self.sum(&self.basis(local, Some(axis)));
+        for (axis, along) in along.into_iter().enumerate().take(S::DIM) {
             jacobian = jacobian + S::Linear::outer(along, gradients.column(axis));
         }
         Some(jacobian)
@@ -230,7 +247,7 @@ impl<S: Space> Warp<S> for BernsteinLattice<S> {
         let Some(local) = self.grid.local(site.point) else {
             return;
         };
-        let basis = self.basis(local, None);
+        let basis = self.basis(local);
         for flat in 0..self.grid.len() {
             let [i, j, k] = self.grid.triple(flat);
             let weight = basis[0][i] * basis[1][j] * basis[2][k];
