@@ -33,6 +33,7 @@ fn run(root: &Path, arguments: &[String]) -> Result<(), Failure> {
             "anamorph",
             "--",
             "gallery",
+            "--markdown",
             "--force",
             "--out",
         ])

@@ -46,7 +46,7 @@ pub(crate) enum Command {
 /// Only what moves is rewritten: every other byte of the file stays.
 #[derive(Debug, Args)]
 pub(crate) struct WarpOptions {
-    /// Model files (glTF, GLB, OBJ, CSV points); `-` is standard input
+    /// Model files (`anamorph list formats` names what can be read); `-` is standard input
     #[arg(required = true, value_name = "MODEL")]
     pub models: Vec<PathBuf>,
     /// The recipe, TOML or JSON; `-` is standard input
@@ -329,6 +329,9 @@ pub(crate) struct GalleryOptions {
     /// Size of the pictures in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x600", value_parser = parse_size)]
     pub size: (u32, u32),
+    /// Write the documentation's page, too
+    #[arg(long, hide = true)]
+    pub markdown: bool,
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,

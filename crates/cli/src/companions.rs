@@ -66,6 +66,9 @@ impl Companions for Folder<'_> {
     }
 }
 
+/// Claims a place for a copy; `false` if it belongs to an input, a result or another copy of the run.
+pub(crate) type Claim<'a> = &'a dyn Fn(&PathBuf) -> Result<bool, Failure>;
+
 /// Files that go with a written model.
 #[derive(Default)]
 pub(crate) struct Copies {
@@ -83,6 +86,7 @@ impl Copies {
         model: &Path,
         output: &Path,
         replace: bool,
+        claim: Claim<'_>,
     ) -> Result<Self, Failure> {
         let mut copies = Self::default();
         let names = document.companions();
@@ -101,12 +105,19 @@ impl Copies {
             return Ok(copies);
         }
         for name in names {
-            copies.one(&name, from, to, replace)?;
+            copies.one(&name, from, to, replace, claim)?;
         }
         Ok(copies)
     }
 
-    fn one(&mut self, name: &str, from: &Path, to: &Path, replace: bool) -> Result<(), Failure> {
+    fn one(
+        &mut self,
+        name: &str,
+        from: &Path,
+        to: &Path,
+        replace: bool,
+        claim: Claim<'_>,
+    ) -> Result<(), Failure> {
         let relative = Path::new(name);
         if relative.is_absolute() {
             return Ok(());
@@ -131,16 +142,22 @@ impl Copies {
         if files::identity(&source) == files::identity(&target) {
             return Ok(());
         }
-        if target.symlink_metadata().is_ok() {
-            if same_content(&source, &target) {
-                return Ok(());
-            }
-            if !replace {
-                return Err(Failure::new(format!(
-                    "{}: exists already and differs from the file that goes with the model; choose another folder, or add --force to replace it",
-                    target.display()
-                )));
-            }
+        let there = target.symlink_metadata().is_ok();
+        if there && same_content(&source, &target) {
+            return Ok(());
+        }
+        if !claim(&target)? {
+            return Err(Failure::new(format!(
+                "{}: the model refers to a file of this name, which would be copied to where another file of this run is or goes; \
+                 choose another folder for the output",
+                target.display()
+            )));
+        }
+        if there && !replace {
+            return Err(Failure::new(format!(
+                "{}: exists already and differs from the file that goes with the model; choose another folder, or add --force to replace it",
+                target.display()
+            )));
         }
         let folder = files::folder_of(&target);
         if !folder.is_dir() {

@@ -80,6 +80,12 @@ impl Kind {
                 "{}: a still preview is a PNG; name it .png, or ask for a film with --turntable 48",
                 path.display()
             ))),
+            (None, "jpg" | "jpeg" | "webp" | "bmp" | "tif" | "tiff" | "svg" | "pdf" | "exr") => {
+                Err(Failure::usage(format!(
+                    "{}: a preview is a PNG; name it .png",
+                    path.display()
+                )))
+            }
             (None, _) => Ok(Self::Still),
         }
     }

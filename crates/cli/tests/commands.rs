@@ -145,6 +145,10 @@ fn committed_recipes_satisfy_the_schema_and_do_what_they_say() {
     folder.put("points.csv", points);
     let schema = folder.run(&["schema"]).done().json();
     assert!(schema["$schema"].is_string());
+    for file in listed("docs/recipes", ".obj") {
+        let bytes = std::fs::read(repository("docs/recipes").join(&file)).unwrap();
+        folder.put(&file, bytes);
+    }
     for name in listed("docs/recipes", ".toml") {
         let text = std::fs::read_to_string(repository("docs/recipes").join(&name)).unwrap();
         folder.put(&name, &text);

@@ -54,6 +54,12 @@ static TARGETS: &[Target] = &[
         extensions: &["glb"],
         create: all::gltf_create::create,
     },
+    Target {
+        name: "gltf",
+        title: "glTF 2.0",
+        extensions: &["gltf"],
+        create: all::gltf_create::create_text,
+    },
 ];
 
 /// How much of a file is looked at to recognise it. Comments at the beginning of a file may be long.

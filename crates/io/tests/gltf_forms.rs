@@ -142,3 +142,79 @@ fn nothing_but_the_first_buffer_changes() {
         assert_eq!(expected, after, "{name}");
     }
 }
+
+fn converted(text: &str, form: &str) -> Vec<u8> {
+    let document = read(text.as_bytes().to_vec());
+    written(document.as_ref(), form, &points(document.as_ref()))
+}
+
+/// A triangle in a second buffer; the first holds what no mesh needs.
+const UNNEEDED_FIRST: &str = r#"{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+"images":[{"bufferView":1,"mimeType":"image/png"}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[0,0,0]}],
+"bufferViews":[{"buffer":1,"byteLength":36},{"buffer":0,"byteLength":5}],
+"buffers":[{"byteLength":5,"uri":"data:application/octet-stream;base64,AQIDBAU="},
+{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA"}]}"#;
+
+#[test]
+fn a_buffer_that_no_mesh_needs_moves_too() {
+    let glb = converted(UNNEEDED_FIRST, "glb");
+    let json_length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    assert_eq!(&glb[20 + json_length + 8..][..5], [1, 2, 3, 4, 5]);
+    assert!(json(&glb)["buffers"][0].get("uri").is_none());
+    assert_eq!(read(glb).points().len(), 3);
+}
+
+#[test]
+fn a_data_uri_with_percent_signs_is_written_in_base64() {
+    let text = UNNEEDED_FIRST.replace(
+        "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA",
+        &format!("data:application/octet-stream,{}", "%00".repeat(36)),
+    );
+    let document = read(text.into_bytes());
+    let moved: Vec<DVec3> = (0..3).map(|i| DVec3::splat(f64::from(i))).collect();
+    let out = written(document.as_ref(), "gltf", &moved);
+    let uri = json(&out)["buffers"][1]["uri"].as_str().unwrap().to_owned();
+    assert!(
+        uri.starts_with("data:application/octet-stream;base64,"),
+        "{uri}"
+    );
+    assert_eq!(points(read(out).as_ref()), moved);
+}
+
+/// What other formats can hold of a scene, and what is named as lost.
+#[test]
+fn conversion_keeps_normals_and_names_the_rest() {
+    for (name, bytes) in all() {
+        let document = read(bytes);
+        let moved = Moved::new(document.points());
+        let geometry = document.geometry(&moved).unwrap();
+        assert_eq!(geometry.points.len(), document.visible(), "{name}");
+        if name.ends_with("skinned-morph.glb") {
+            let named = geometry.beyond.join(", ");
+            assert!(
+                named.contains("morph target") && named.contains("skin"),
+                "{named}"
+            );
+        }
+        for normal in geometry.normals.pool() {
+            assert!((normal.length() - 1.0).abs() < 1e-6, "{name}");
+        }
+        let mut out = Vec::new();
+        let targets = anamorph_io::targets();
+        let text = targets.iter().find(|target| target.name == "gltf").unwrap();
+        text.create(&geometry, &mut out).unwrap();
+        // Vertices may be others, corners are where they were.
+        let corners = |document: &dyn Document| -> Vec<[[f32; 3]; 3]> {
+            let places = points(document);
+            let place = |i: u32| places[i as usize].to_array().map(|x| x as f32);
+            let triangles = document.mesh().unwrap().triangles;
+            triangles.iter().map(|t| t.map(place)).collect()
+        };
+        assert_eq!(
+            corners(read(out).as_ref()),
+            corners(document.as_ref()),
+            "{name}"
+        );
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! *Source*: `CompuServe`, *Graphics Interchange Format, Version 89a*, 1990; W3C, *Portable Network Graphics (PNG)
 //! Specification (Third Edition)*, 2025, §11.3.5 (animation). The palette of a GIF is chosen per picture by a neural network
-//! (A. H. Dekker, *Kohonen neural networks for optimal colour quantization*, Network 5, 1994), as the `gif` crate offers it.
+//! (A. H. Dekker, *Kohonen neural networks for optimal colour quantization*, Network 5, 1994), as the `color_quant` crate offers it.
 
 use crate::{Picture, PreviewError};
 use std::io::Write;
@@ -16,8 +16,10 @@ pub enum AnimationFormat {
     Apng,
 }
 
-/// Quality of a palette, 1 (best, slow) to 30: above 10 the studio's soft ground shows bands.
-const PALETTE_SPEED: i32 = 10;
+/// One in so many pixels teaches the palette its colours. More and the studio's soft ground shows bands.
+const SAMPLED: usize = 7;
+/// Difference between the largest and the smallest channel from which on a pixel counts as coloured.
+const COLOURED: u8 = 60;
 
 /// An animation that is being written to `W`: pictures are encoded as they come, so that only one is held at a time.
 ///
@@ -116,10 +118,10 @@ impl<W: Write> Animation<W> {
         match &mut self.encoder {
             Encoder::Waiting(..) => Err(failed(&"it failed before")),
             Encoder::Gif(encoder) => {
+                let (palette, indices) = quantized(pixels);
                 let (width, height) = (side(width)?, side(height)?);
-                let mut pixels = pixels.to_vec();
                 let mut frame =
-                    gif::Frame::from_rgba_speed(width, height, &mut pixels, PALETTE_SPEED);
+                    gif::Frame::from_palette_pixels(width, height, indices, palette, None);
                 // Two hundredths of a second at least: players take less for ten.
                 frame.delay = units(100.0 / self.rate).max(2);
                 encoder.write_frame(&frame).map_err(|error| failed(&error))
@@ -163,6 +165,42 @@ impl<W: Write> Animation<W> {
             Encoder::Waiting(..) => Err(failed(&"it failed before")),
         }
     }
+}
+
+/// A palette of 256 colours and the index of each pixel. Features are thin: all of their pixels are shown to the network, as
+/// often as makes them a quarter of what it sees, or else their colours would drown in those of the model.
+fn quantized(pixels: &[u8]) -> (Vec<u8>, Vec<u8>) {
+    let (pixels, _) = pixels.as_chunks::<4>();
+    let span = |p: &[u8; 4]| p[0].max(p[1]).max(p[2]) - p[0].min(p[1]).min(p[2]);
+    let coloured: Vec<[u8; 4]> = pixels
+        .iter()
+        .copied()
+        .filter(|p| span(p) >= COLOURED)
+        .collect();
+    let mut seen: Vec<[u8; 4]> = pixels.iter().step_by(SAMPLED).copied().collect();
+    if !coloured.is_empty() {
+        let wanted = seen.len() / 3;
+        let step = coloured.len().div_ceil(wanted.max(1)).max(1);
+        let some: Vec<[u8; 4]> = coloured.iter().step_by(step).copied().collect();
+        seen.extend(some.iter().cycle().take(wanted.max(some.len())));
+    }
+    let network = color_quant::NeuQuant::new(1, 256, seen.as_flattened());
+    // Pixels of equal colour, to six bits a channel, share an answer; the picture is smooth enough for that not to show.
+    let mut known = vec![None; 1 << 18];
+    let indices = pixels
+        .iter()
+        .map(|pixel| {
+            let [red, green, blue, _] = pixel.map(|channel| usize::from(channel >> 2));
+            let slot = &mut known[red << 12 | green << 6 | blue];
+            *slot.get_or_insert_with(|| {
+                #[allow(clippy::cast_possible_truncation)]
+                {
+                    network.index_of(pixel) as u8
+                }
+            })
+        })
+        .collect();
+    (network.color_map_rgb(), indices)
 }
 
 fn side(pixels: u32) -> Result<u16, PreviewError> {
@@ -238,7 +276,29 @@ mod tests {
             assert_eq!((frame.width, frame.height, frame.delay), (6, 4, 8));
             shades.push(frame.buffer[0]);
         }
-        assert_eq!(shades, [0, 188, 255]);
+        // The network's colours are near, not exact.
+        for (shade, expected) in shades.iter().zip([0_u8, 188, 255]) {
+            assert!(shade.abs_diff(expected) <= 3, "{shades:?}");
+        }
+    }
+
+    /// A thin line keeps its colour among many greys.
+    #[test]
+    fn features_keep_their_colour() {
+        let mut pixels: Vec<[f32; 3]> = (0..128 * 128)
+            .map(|i| [(i % 128) as f32 / 128.0 * 0.8 + 0.1; 3])
+            .collect();
+        for i in 0..100 {
+            pixels[64 * 128 + i] = [0.9, 0.25, 0.02];
+        }
+        let picture = Picture::from_linear(&pixels, 128, 128);
+        let (palette, indices) = quantized(picture.rgba().0);
+        let index = usize::from(indices[64 * 128 + 50]);
+        let found = &palette[3 * index..3 * index + 3];
+        let wanted = picture.pixel(50, 64).unwrap();
+        for (found, wanted) in found.iter().zip(wanted) {
+            assert!(found.abs_diff(wanted) <= 12, "{found} is not {wanted}");
+        }
     }
 
     #[test]

@@ -18,6 +18,7 @@ use anamorph_recipe::{BuiltRecipe, Recipe};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// Where the results of one model go.
 struct Job {
@@ -171,21 +172,34 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     let pool = pool
         .build()
         .map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
+    let known = |path: &PathBuf| (!files::is_immediate(path)).then(|| files::identity(path));
+    let results = jobs.iter().flat_map(Job::results).map(|(path, _)| path);
+    let inputs = jobs.iter().map(|job| &job.model).chain([&options.recipe]);
+    let run = Run {
+        recipe,
+        beside,
+        options,
+        taken: Mutex::new(results.chain(inputs).filter_map(known).collect()),
+    };
     let mut made = Vec::new();
-    let result = pool.install(|| warp_all(&jobs, &recipe, &beside, options, &mut made));
+    let result = pool.install(|| warp_all(&jobs, &run, &mut made));
     files::remove_empty(&made);
     result
 }
 
+/// What all jobs share.
+struct Run<'a> {
+    recipe: Recipe,
+    beside: RecipeFiles,
+    options: &'a WarpOptions,
+    /// Files that copies of companions must not replace: inputs, results, and copies made for other models.
+    taken: Mutex<HashSet<PathBuf>>,
+}
+
 /// All jobs, one after the other; one that fails does not keep the others from being done. Adds the folders it makes to
 /// `made`.
-fn warp_all(
-    jobs: &[Job],
-    recipe: &Recipe,
-    beside: &RecipeFiles,
-    options: &WarpOptions,
-    made: &mut Vec<PathBuf>,
-) -> Result<(), Failure> {
+fn warp_all(jobs: &[Job], run: &Run<'_>, made: &mut Vec<PathBuf>) -> Result<(), Failure> {
+    let options = run.options;
     let folders = [
         Some(&options.output),
         options.report.as_ref(),
@@ -198,7 +212,7 @@ fn warp_all(
     }
     let mut failed = false;
     for job in jobs {
-        match warp_one(job, recipe, beside, options) {
+        match warp_one(job, run) {
             Ok(()) => {}
             Err(failure) if jobs.len() == 1 => return Err(failure),
             Err(failure) => {
@@ -212,6 +226,12 @@ fn warp_all(
     } else {
         Ok(())
     }
+}
+
+/// Whether a file's name ends so.
+fn is_extension_of(path: &Path, extension: &str) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
 /// The form in which a model is written.
@@ -252,15 +272,18 @@ fn form(job: &Job, document: &dyn Document) -> Result<Form, Failure> {
             names.join(", .")
         )));
     }
+    if target.is_none() && !is_extension_of(&job.model, &extension) {
+        say!(
+            "{}: .{extension} is the name of no format that is written; the file is {}",
+            job.output.display(),
+            document.format().to_uppercase()
+        );
+    }
     Ok(target.map_or(Form::Own, Form::Other))
 }
 
-fn warp_one(
-    job: &Job,
-    recipe: &Recipe,
-    beside: &RecipeFiles,
-    options: &WarpOptions,
-) -> Result<(), Failure> {
+fn warp_one(job: &Job, run: &Run<'_>) -> Result<(), Failure> {
+    let (options, recipe) = (run.options, &run.recipe);
     for (path, _) in job.results() {
         files::refuse_existing(path, options.force)?;
     }
@@ -270,23 +293,18 @@ fn warp_one(
     let document = model::read(&job.model, &read_options, options.allow_outside)?;
     let form = form(job, document.as_ref())?;
     match document.points() {
-        Points::Plane(_) => {
-            warp_document::<Plane>(job, recipe, beside, options, document.as_ref(), form)
-        }
-        Points::Solid(_) => {
-            warp_document::<Solid>(job, recipe, beside, options, document.as_ref(), form)
-        }
+        Points::Plane(_) => warp_document::<Plane>(job, run, document.as_ref(), form),
+        Points::Solid(_) => warp_document::<Solid>(job, run, document.as_ref(), form),
     }
 }
 
 fn warp_document<S: ModelSpace>(
     job: &Job,
-    recipe: &Recipe,
-    beside: &RecipeFiles,
-    options: &WarpOptions,
+    run: &Run<'_>,
     document: &dyn Document,
     form: Form,
 ) -> Result<(), Failure> {
+    let (options, recipe, beside) = (run.options, &run.recipe, &run.beside);
     let name = files::shown(&job.model);
     let rest = S::points(document.points()).unwrap_or_default();
     let built = model::build(recipe, document, rest, beside)?;
@@ -319,7 +337,17 @@ fn warp_document<S: ModelSpace>(
     let mut model_file = begin(&job.output)?;
     let mut report_file = job.report.as_ref().map(begin).transpose()?;
     let mut preview_file = job.preview.as_ref().map(begin).transpose()?;
-    let mut copies = Copies::begin(document, &job.model, &job.output, options.force)?;
+    let mut copies = Copies::begin(
+        document,
+        &job.model,
+        &job.output,
+        options.force,
+        &|target| {
+            beside.refuse_replacing([target])?;
+            let mut taken = run.taken.lock().unwrap_or_else(PoisonError::into_inner);
+            Ok(taken.insert(files::identity(target)))
+        },
+    )?;
     if let (Some(file), Some(path)) = (&mut preview_file, &job.preview) {
         let kind = picture::Kind::of(path, options.turntable)?;
         let (before, after) = (&rest[..visible], &moved[..visible]);
@@ -362,7 +390,7 @@ fn warp_document<S: ModelSpace>(
         };
         let normals = match policy {
             NormalsPolicy::Carried if solid => Normals::Transform(&carry),
-            NormalsPolicy::Recomputed => Normals::Recompute,
+            NormalsPolicy::Recomputed | NormalsPolicy::OfFacets => Normals::Recompute,
             _ => Normals::Keep,
         };
         let mut wrapped = Moved::new(S::wrap(&moved)).with_normals(normals);
@@ -374,7 +402,7 @@ fn warp_document<S: ModelSpace>(
             Form::Sister(name) => document.write_as(name, &wrapped, out),
             Form::Other(target) => document.geometry(&wrapped).and_then(|geometry| {
                 lost = target.create(&geometry, out)?;
-                Ok(converted(rest, &moved, report))
+                Ok(converted(&rest[..visible], &moved[..visible], report))
             }),
         };
         match written {
@@ -442,7 +470,7 @@ fn warp_document<S: ModelSpace>(
         if !built.parts.is_empty() {
             if report.moved_points == 0 {
                 say!(
-                    "  warning: nothing moved; see whether the recipe says how far, and whether a strength, weight or mask is 0"
+                    "  warning: nothing moved; see whether the recipe says how far (an edit, a `target`), and whether a strength, weight or mask is 0"
                 );
             } else if let Some(fold) = fold(&built, &rest[..visible], size) {
                 say!("  warning: {fold}; `anamorph check` says more");
@@ -469,6 +497,8 @@ enum NormalsPolicy {
     Kept,
     Carried,
     Recomputed,
+    /// They belong to triangles, not to points.
+    OfFacets,
 }
 
 impl NormalsPolicy {
@@ -478,6 +508,7 @@ impl NormalsPolicy {
             Self::Kept => "kept as they were",
             Self::Carried => "carried by the inverse transpose of the Jacobian",
             Self::Recomputed => "recomputed from faces, because a field lives on the model",
+            Self::OfFacets => "are those of the moved triangles",
         }
     }
 }
@@ -491,6 +522,8 @@ fn normals_policy<S: Space>(
         NormalsPolicy::None
     } else if options.keep_normals || built.parts.is_empty() {
         NormalsPolicy::Kept
+    } else if document.format() == "stl" {
+        NormalsPolicy::OfFacets
     } else if built.stack().domain() == Domain::Model {
         NormalsPolicy::Recomputed
     } else {

@@ -147,7 +147,9 @@ pub(crate) fn run(options: &GalleryOptions) -> Result<(), Failure> {
     let markdown = options.out.join("gallery.md");
     if options.out.is_dir() {
         files::refuse_existing(&index, options.force)?;
-        files::refuse_existing(&markdown, options.force)?;
+        if options.markdown {
+            files::refuse_existing(&markdown, options.force)?;
+        }
     }
     let mut made = files::make_folder(&options.out)?;
     let result = files::make_folder(&options.out.join("images")).and_then(|more| {
@@ -185,6 +187,9 @@ fn draw(options: &GalleryOptions, index: &PathBuf, markdown: &PathBuf) -> Result
         (index, page::html(&parts)),
         (markdown, page::markdown(&parts)),
     ] {
+        if path == markdown && !options.markdown {
+            continue;
+        }
         let mut file = Pending::create(path, options.force)?;
         file.fill(|out| out.write_all(text.as_bytes()))?;
         files.push(file);

@@ -18,9 +18,11 @@ mod accessor;
 mod container;
 mod content;
 mod elements;
+mod geometry;
 mod inspect;
 mod json;
 mod normals;
+mod numbers;
 mod scene;
 #[cfg(test)]
 mod tests;
@@ -376,7 +378,13 @@ impl Model {
         for instance in &self.instances {
             let mesh = &self.meshes[instance.mesh];
             let deltas = mesh.shadows.iter().map(|shadow| shadow.accessor);
-            let held = mesh.slots.iter().copied().chain(deltas);
+            // Directions that are carried take as much as the points they belong to, those of targets most of all.
+            let directions = mesh.jobs.iter().filter_map(|job| match job {
+                scene::Job::DeltaNormal { accessor, .. }
+                | scene::Job::DeltaTangent { accessor, .. } => Some(*accessor),
+                _ => None,
+            });
+            let held = mesh.slots.iter().copied().chain(deltas).chain(directions);
             let counts = held.map(|accessor| self.accessors[accessor].count);
             points = counts.fold(points, usize::saturating_add);
             corners = corners.saturating_add(mesh.corners);
@@ -700,6 +708,9 @@ impl Document for Model {
     }
     fn write(&self, moved: &Moved<'_>, out: &mut dyn Write) -> Result<WriteReport, WriteError> {
         write::write(self, moved, self.format == "glb", out)
+    }
+    fn geometry(&self, moved: &Moved<'_>) -> Result<crate::Geometry, WriteError> {
+        geometry::geometry(self, moved)
     }
     fn sisters(&self) -> &'static [&'static str] {
         if self.format == "glb" {

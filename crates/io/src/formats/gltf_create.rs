@@ -6,7 +6,7 @@
 
 use crate::normals::unit;
 use crate::patch::flush;
-use crate::{Geometry, Lost, WriteError};
+use crate::{Format, Geometry, Lost, Moved, ReadOptions, WriteError};
 use anamorph_core::glam::DVec3;
 use std::collections::HashMap;
 use std::io::Write;
@@ -39,6 +39,22 @@ struct View {
     indices: bool,
     /// `min` and `max`, for positions.
     bounds: String,
+}
+
+/// Writes a geometry as a glTF text with its data in it.
+pub(crate) fn create_text(geometry: &Geometry, out: &mut dyn Write) -> Result<Lost, WriteError> {
+    let mut glb = Vec::new();
+    let lost = create(geometry, &mut glb)?;
+    let own = |error: &dyn core::fmt::Display| WriteError::Refused {
+        what: format!("the model cannot be a glTF: {error}"),
+        mend: "name the output .glb".to_owned(),
+    };
+    let options = ReadOptions::default().allow_nonfinite(true);
+    let document = super::gltf::Glb
+        .read(glb, &options)
+        .map_err(|error| own(&error))?;
+    document.write_as("gltf", &Moved::new(document.points()), out)?;
+    Ok(lost)
 }
 
 /// Writes a new file; see [`crate::Target::create`].

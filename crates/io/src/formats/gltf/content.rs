@@ -98,7 +98,7 @@ impl Frame {
         self.0
             .map_or(delta, |(_, back)| back.transform_vector3(delta))
     }
-    fn normal_out(&self, normal: DVec3) -> DVec3 {
+    pub(super) fn normal_out(&self, normal: DVec3) -> DVec3 {
         match self.0 {
             None => normal,
             Some((_, back)) => {

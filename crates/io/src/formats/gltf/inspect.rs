@@ -131,8 +131,7 @@ pub(super) fn notes(model: &Model) -> Vec<String> {
     let mut nodes = model.nodes.iter();
     if nodes.any(|node| node.mesh.is_some() && node.skin.is_some()) {
         notes.push(
-            "skinned meshes are warped in their bind pose, as their first joint places it; joints and animations stay as they are"
-                .into(),
+            "skinned meshes are warped in their bind pose, as their first joint places it".into(),
         );
     }
     if model.local {

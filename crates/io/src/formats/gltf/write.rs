@@ -9,6 +9,7 @@ use super::accessor::{Component, Layout};
 use super::container;
 use super::content::{Content, Movement, Outcome, same};
 use super::json::{Edits, Value, quoted, rebuilt};
+use super::numbers::{array, bounds, put, stretched};
 use super::scene::Job;
 use super::{Model, Source, listed};
 use crate::{Document, Moved, Points, WriteError, WriteReport};
@@ -103,6 +104,8 @@ struct Plan<'a> {
     patched: BTreeMap<usize, Vec<u8>>,
     /// Contents that take the place of a whole stretch of the BIN chunk, by its first byte.
     stretches: BTreeMap<usize, &'a [f32]>,
+    /// What a text's first buffer becomes in a BIN chunk.
+    packed: Option<Vec<u8>>,
     /// Bytes to be added.
     added: Vec<u8>,
     views: Vec<String>,
@@ -124,6 +127,7 @@ impl<'a> Plan<'a> {
             copies: Vec::new(),
             patched: BTreeMap::new(),
             stretches: BTreeMap::new(),
+            packed: None,
             added: Vec::new(),
             views: Vec::new(),
             accessors: Vec::new(),
@@ -403,7 +407,11 @@ impl<'a> Plan<'a> {
         };
         match (&self.model.buffers[0].source, binary) {
             (Source::Data { .. } | Source::File, true) => {
-                self.edits.replace(value, rebuilt(value, &[("uri", None)]));
+                self.packed = self.first_content(value);
+                // One whose content is not at hand stays where it is.
+                if self.packed.is_some() {
+                    self.edits.replace(value, rebuilt(value, &[("uri", None)]));
+                }
             }
             (Source::Chunk, false) => {
                 let mut bytes = self.first().unwrap_or_default().to_vec();
@@ -420,6 +428,17 @@ impl<'a> Plan<'a> {
             }
             _ => {}
         }
+    }
+
+    /// All bytes of the first buffer of a text, also where no mesh needs them.
+    fn first_content(&self, value: Value<'_>) -> Option<Vec<u8>> {
+        let length = self.model.buffers[0].length;
+        let whole = |bytes: &[u8]| (bytes.len() >= length).then(|| bytes[..length].to_vec());
+        if let Some(bytes) = self.first().and_then(whole) {
+            return Some(bytes);
+        }
+        let uri = value.get("uri")?.text()?;
+        whole(&container::decoded(&uri).ok()?)
     }
 
     /// Makes the edits that follow from all others.
@@ -458,7 +477,14 @@ impl<'a> Plan<'a> {
             if number == 0 && binary {
                 continue;
             }
-            let uri = format!("{head}{}", container::to_base64(bytes));
+            // What was written with percent signs is written in base64 now.
+            let head = head.trim_end_matches(',');
+            let kind = if head.to_ascii_lowercase().ends_with(";base64") {
+                ""
+            } else {
+                ";base64"
+            };
+            let uri = format!("{head}{kind},{}", container::to_base64(bytes));
             if let Some(value) = listed(root, "buffers")[number].get("uri") {
                 self.edits.replace(value, quoted(&uri));
             }
@@ -532,7 +558,8 @@ impl<'a> Plan<'a> {
         // An unchanged chunk is written with the padding it has.
         let bin = match (&model.chunks, self.patched.get(&0)) {
             (Some(chunks), None) => chunks.bin.clone().map(|range| &model.bytes[range]),
-            _ => self.first(),
+            (Some(_), Some(bytes)) => Some(&bytes[..]),
+            (None, _) => self.packed.as_deref(),
         };
         let padding = bin.map_or(0, |bin| bin.len().next_multiple_of(4) - bin.len());
         let length = bin.map(|bin| bin.len() + padding);
@@ -552,30 +579,6 @@ impl<'a> Plan<'a> {
         }
         report.put(rest, out)
     }
-}
-
-/// Numbers turned into bytes at a time.
-const PIECE: usize = 1 << 16;
-
-/// Writes bytes with contents in the place of some stretches of them, which do not overlap.
-fn stretched(
-    bytes: &[u8],
-    stretches: &BTreeMap<usize, &[f32]>,
-    report: &mut WriteReport,
-    out: &mut dyn Write,
-) -> Result<(), WriteError> {
-    let mut done = 0;
-    let mut piece = Vec::with_capacity(4 * PIECE);
-    for (&start, numbers) in stretches {
-        report.put(bytes.get(done..start).unwrap_or(&[]), out)?;
-        for some in numbers.chunks(PIECE) {
-            piece.clear();
-            piece.extend(some.iter().flat_map(|x| x.to_le_bytes()));
-            report.put(&piece, out)?;
-        }
-        done = start + 4 * numbers.len();
-    }
-    report.put(bytes.get(done..).unwrap_or(&[]), out)
 }
 
 /// Joins wishes for the same content.
@@ -739,54 +742,4 @@ fn whole_views(root: Value<'_>) -> impl Iterator<Item = Layout> {
             count: 1,
         })
     })
-}
-
-/// Writes elements where they lie; those numbered `except` (ascending) keep their bytes.
-fn put<'c>(
-    bytes: &mut [u8],
-    layout: &Layout,
-    elements: impl Iterator<Item = &'c [f32]>,
-    except: &[usize],
-) {
-    let mut except = except.iter().peekable();
-    for (i, element) in elements.enumerate() {
-        if except.next_if(|at| **at == i).is_some() {
-            continue;
-        }
-        let start = layout.start + i * layout.stride;
-        if let Some(place) = bytes.get_mut(start..start + 4 * element.len()) {
-            for (four, number) in place.chunks_exact_mut(4).zip(element) {
-                four.copy_from_slice(&number.to_le_bytes());
-            }
-        }
-    }
-}
-
-/// Smallest and largest numbers of each component; `None` where one has no finite number.
-fn bounds(content: &Content) -> Option<(Vec<f32>, Vec<f32>)> {
-    let mut low = vec![f32::INFINITY; content.width];
-    let mut high = vec![f32::NEG_INFINITY; content.width];
-    for element in content.numbers.chunks_exact(content.width) {
-        for (axis, &value) in element.iter().enumerate() {
-            if value < low[axis] {
-                low[axis] = value;
-            }
-            if value > high[axis] {
-                high[axis] = value;
-            }
-        }
-    }
-    let finite = |list: &[f32]| list.iter().all(|x| x.is_finite());
-    (finite(&low) && finite(&high)).then_some((low, high))
-}
-
-/// Numbers as a JSON list. Readers take numbers for `f64`; these are exactly the stored ones.
-fn array(numbers: &[f32]) -> String {
-    let texts = numbers.iter().map(|&x| {
-        let mut buffer = zmij::Buffer::new();
-        // Adding 0 turns −0 into 0.
-        let text = buffer.format_finite(f64::from(x) + 0.0);
-        text.strip_suffix(".0").unwrap_or(text).to_owned()
-    });
-    format!("[{}]", texts.collect::<Vec<_>>().join(","))
 }
