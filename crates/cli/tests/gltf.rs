@@ -332,15 +332,64 @@ fn notes_are_printed_and_reported() {
         text.contains("morph targets        2") && text.contains("bind pose"),
         "{text}"
     );
-    // A name that promises another format is refused.
-    folder
-        .run(&[
+    // Another format is told what it cannot hold, and gets the rest.
+    let converted = [
+        "warp",
+        "gltf-skinned-morph.glb",
+        "-r",
+        "twist.toml",
+        "-o",
+        "out.obj",
+    ];
+    let run = folder.run(&converted).done();
+    assert!(
+        run.err
+            .contains("warning: OBJ cannot hold: 2 morph targets, 1 skin, 1 animation"),
+        "{}",
+        run.err
+    );
+    assert!(run.err.contains("96 of 108 points moved"), "{}", run.err);
+    let obj = String::from_utf8(folder.read("out.obj")).unwrap();
+    assert_eq!(obj.matches("\nvn ").count(), 108);
+}
+
+/// A model that names its own output, or the recipe, as a file beside it cannot make a copy replace it.
+#[test]
+fn companions_replace_nothing_of_the_run() {
+    let folder = beside("gltf-skinned-morph.glb");
+    let model = |image: &str| {
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"images":[{{"uri":"{image}"}}],"nodes":[{{"mesh":0}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[0,0,0]}}],
+"bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36,
+"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA"}}]}}"#
+        )
+    };
+    std::fs::create_dir(folder.path().join("in")).unwrap();
+    std::fs::create_dir(folder.path().join("out")).unwrap();
+    folder.put("out/r.toml", "version = 1\n");
+    for name in ["r.toml", "m.gltf", "p.png"] {
+        folder.put("in/m.gltf", model(name));
+        if name != "m.gltf" {
+            folder.put(&format!("in/{name}"), "COMPANION");
+        }
+        let arguments = [
             "warp",
-            "gltf-skinned-morph.glb",
+            "in/m.gltf",
             "-r",
-            "twist.toml",
+            "out/r.toml",
             "-o",
-            "out.obj",
-        ])
-        .failed(1, &["GLB"]);
+            "out/m.gltf",
+            "--preview",
+            "out/p.png",
+            "--force",
+        ];
+        folder.run(&arguments).failed(
+            1,
+            &["would be copied to where another file of this run is or goes"],
+        );
+        assert!(folder.read("out/r.toml") == b"version = 1\n");
+        assert!(!folder.path().join("out/m.gltf").exists());
+    }
 }
