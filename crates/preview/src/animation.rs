@@ -118,7 +118,7 @@ impl<W: Write> Animation<W> {
         match &mut self.encoder {
             Encoder::Waiting(..) => Err(failed(&"it failed before")),
             Encoder::Gif(encoder) => {
-                let (palette, indices) = quantized(pixels);
+                let (palette, indices) = quantized(pixels, width as usize);
                 let (width, height) = (side(width)?, side(height)?);
                 let mut frame =
                     gif::Frame::from_palette_pixels(width, height, indices, palette, None);
@@ -169,7 +169,7 @@ impl<W: Write> Animation<W> {
 
 /// A palette of 256 colours and the index of each pixel. Features are thin: all of their pixels are shown to the network, as
 /// often as makes them a quarter of what it sees, or else their colours would drown in those of the model.
-fn quantized(pixels: &[u8]) -> (Vec<u8>, Vec<u8>) {
+fn quantized(pixels: &[u8], width: usize) -> (Vec<u8>, Vec<u8>) {
     let (pixels, _) = pixels.as_chunks::<4>();
     let span = |p: &[u8; 4]| p[0].max(p[1]).max(p[2]) - p[0].min(p[1]).min(p[2]);
     let coloured: Vec<[u8; 4]> = pixels
@@ -185,17 +185,24 @@ fn quantized(pixels: &[u8]) -> (Vec<u8>, Vec<u8>) {
         seen.extend(some.iter().cycle().take(wanted.max(some.len())));
     }
     let network = color_quant::NeuQuant::new(1, 256, seen.as_flattened());
-    // Pixels of equal colour, to six bits a channel, share an answer; the picture is smooth enough for that not to show.
-    let mut known = vec![None; 1 << 18];
+    // Pixels of equal colour, to seven bits a channel, share an answer. A faint fixed pattern (B. E. Bayer, *An optimum method
+    // for two-level rendition of continuous-tone pictures*, ICC 1973) breaks up the bands of soft gradients.
+    const PATTERN: [[i8; 4]; 4] = [[-2, 1, -2, 1], [2, -1, 2, -1], [-1, 2, -2, 1], [1, 0, 1, 0]];
+    let mut known = vec![None; 1 << 21];
     let indices = pixels
         .iter()
-        .map(|pixel| {
-            let [red, green, blue, _] = pixel.map(|channel| usize::from(channel >> 2));
-            let slot = &mut known[red << 12 | green << 6 | blue];
+        .enumerate()
+        .map(|(i, pixel)| {
+            let (x, y) = (i % width.max(1), i / width.max(1));
+            let shift = PATTERN[y % 4][x % 4];
+            let mut pixel = pixel.map(|channel| channel.saturating_add_signed(shift));
+            pixel[3] = 255;
+            let [red, green, blue, _] = pixel.map(|channel| usize::from(channel >> 1));
+            let slot = &mut known[red << 14 | green << 7 | blue];
             *slot.get_or_insert_with(|| {
                 #[allow(clippy::cast_possible_truncation)]
                 {
-                    network.index_of(pixel) as u8
+                    network.index_of(&pixel) as u8
                 }
             })
         })
@@ -292,7 +299,7 @@ mod tests {
             pixels[64 * 128 + i] = [0.9, 0.25, 0.02];
         }
         let picture = Picture::from_linear(&pixels, 128, 128);
-        let (palette, indices) = quantized(picture.rgba().0);
+        let (palette, indices) = quantized(picture.rgba().0, 128);
         let index = usize::from(indices[64 * 128 + 50]);
         let found = &palette[3 * index..3 * index + 3];
         let wanted = picture.pixel(50, 64).unwrap();
