@@ -36,6 +36,16 @@ impl Elements {
     }
 }
 
+/// Which of `count` points some face, line or point element refers to.
+pub(crate) fn used(count: usize, faces: &Faces, lines: &[[u32; 2]], points: &[u32]) -> Vec<bool> {
+    let mut used = vec![false; count];
+    let corners = faces.vertices.iter();
+    for &vertex in corners.chain(lines.iter().flatten()).chain(points) {
+        used[vertex as usize] = true;
+    }
+    used
+}
+
 /// What an inspection needs of a document besides its elements.
 pub(crate) struct Subject<'a> {
     pub(crate) format: &'static str,
@@ -60,18 +70,13 @@ pub(crate) fn inspect(
     let points = subject.points;
     let mut findings = Vec::new();
     let boundary = faces(&elements.faces, points, &mut findings);
-    let mut used = vec![false; points.len()];
-    let in_lines = elements.lines.iter().flatten();
-    for &vertex in elements
-        .faces
-        .vertices
-        .iter()
-        .chain(in_lines)
-        .chain(&elements.points)
-    {
-        used[vertex as usize] = true;
-    }
-    unused(&used, &mut findings);
+    let in_use = used(
+        points.len(),
+        &elements.faces,
+        &elements.lines,
+        &elements.points,
+    );
+    unused(&in_use, &mut findings);
     coincident(points.iter().map(DVec3::to_array), &mut findings);
     let mut list = |kind, vertices: &[usize]| {
         if let Some(&first) = vertices.first() {

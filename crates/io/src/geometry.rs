@@ -102,6 +102,9 @@ impl<T: Copy + PartialEq + Default> Values<T> {
     }
 }
 
+/// One value for each point, where that is possible.
+type PerPoint<'a, T> = Option<Cow<'a, [T]>>;
+
 impl Geometry {
     /// What every document can say of itself once its points have moved: points, triangles, lines and attributes.
     ///
@@ -190,6 +193,21 @@ impl Geometry {
             all.extend(cut.iter().map(|t| t.map(|i| first as u32 + i)));
         }
         all
+    }
+
+    /// Normals and texture coordinates one a point, where that is possible; else they are added to `lost`.
+    pub(crate) fn per_point(
+        &self,
+        format: &str,
+        lost: &mut Lost,
+    ) -> (PerPoint<'_, DVec3>, PerPoint<'_, DVec2>) {
+        let count = self.points.len();
+        let normals = self.normals.per_point(count, &self.corners);
+        lost.add(
+            normals.is_none() && !self.normals.is_none(),
+            format!("normals (points have several, {format} holds one for each)"),
+        );
+        (normals, self.textures.per_point(count, &self.corners))
     }
 
     /// Whether some face is no triangle.

@@ -2,6 +2,7 @@
 
 use super::scan::{Keyword, Reference, Statement, Tokens, resolve};
 use super::{COLOURS, Counts, Text, check};
+use crate::elements::used;
 use crate::inspect::{Finding, First, bounds, coincident, faces, unused};
 use crate::{Document, Inspection, Problem, ProblemKind};
 use std::collections::BTreeMap;
@@ -11,18 +12,9 @@ pub(super) fn inspect(text: &Text) -> Inspection {
     let mut findings = Vec::new();
     let boundary = faces(&elements.faces, &text.positions, &mut findings);
 
-    let mut used = vec![false; text.positions.len()];
-    let in_lines = elements.lines.iter().flatten();
-    for &vertex in elements
-        .faces
-        .vertices
-        .iter()
-        .chain(in_lines)
-        .chain(&elements.points)
-    {
-        used[vertex as usize] = true;
-    }
-    unused(&used, &mut findings);
+    let (lines, loose) = (&elements.lines, &elements.points);
+    let in_use = used(text.positions.len(), &elements.faces, lines, loose);
+    unused(&in_use, &mut findings);
     coincident(
         text.positions
             .iter()

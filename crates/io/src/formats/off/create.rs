@@ -15,14 +15,9 @@ fn numbers(buffer: &mut Vec<u8>, values: impl IntoIterator<Item = f64>) {
 
 /// Writes a new file; see [`crate::Target::create`].
 pub(crate) fn create(geometry: &Geometry, out: &mut dyn Write) -> Result<Lost, WriteError> {
-    let (points, corners) = (&geometry.points, &geometry.corners);
+    let points = &geometry.points;
     let mut lost = Lost(geometry.beyond.clone());
-    let normals = geometry.normals.per_point(points.len(), corners);
-    lost.add(
-        normals.is_none() && !geometry.normals.is_none(),
-        "normals (points have several, OFF holds one for each)",
-    );
-    let textures = geometry.textures.per_point(points.len(), corners);
+    let (normals, textures) = geometry.per_point("OFF", &mut lost);
     lost.add(
         textures.is_none() && !geometry.textures.is_none(),
         "texture coordinates (points have several, OFF holds one pair for each)",

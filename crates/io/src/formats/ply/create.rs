@@ -26,14 +26,9 @@ fn is_bytes(geometry: &Geometry) -> bool {
 
 /// Writes a new file; see [`crate::Target::create`].
 pub(crate) fn create(geometry: &Geometry, out: &mut dyn Write) -> Result<Lost, WriteError> {
-    let (points, corners) = (&geometry.points, &geometry.corners);
+    let points = &geometry.points;
     let mut lost = Lost(geometry.beyond.clone());
-    let normals = geometry.normals.per_point(points.len(), corners);
-    lost.add(
-        normals.is_none() && !geometry.normals.is_none(),
-        "normals (points have several, PLY holds one for each)",
-    );
-    let textures = geometry.textures.per_point(points.len(), corners);
+    let (normals, textures) = geometry.per_point("PLY", &mut lost);
     let wedges = match (&textures, &geometry.textures) {
         (None, Values::Corners { pool, index }) => Some((pool, index)),
         _ => None,
