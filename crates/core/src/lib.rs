@@ -10,6 +10,7 @@
 //! - [`Transformation`]: an affine map that can be scaled by a strength.
 //! - [`Deformation`]: moves sites. [`Warp`]: a deformation with terms; [`Terms`]: a warp given by its terms.
 //! - [`Stack`], [`Masked`], [`Modulated`]: deformations made of deformations.
+//! - [`Curve`], [`Differentiable`], [`NearestPoint`]: what warps and motions know of a curve.
 //! - [`Binding`]: fields evaluated once and kept. [`guarantees`]: what is promised. [`reference`](mod@reference): the
 //!   literal formula.
 //!
@@ -30,6 +31,7 @@ pub use glam;
 
 mod affine;
 mod binding;
+mod curve;
 mod deformation;
 mod engine;
 mod field;
@@ -48,6 +50,7 @@ mod warp;
 
 pub use affine::Affine;
 pub use binding::Binding;
+pub use curve::{Curve, Differentiable, Jet, Nearest, NearestPoint};
 pub use deformation::{
     Deformation, Facts, Masked, Stack, Unmapped, difference_jacobian, difference_step,
 };

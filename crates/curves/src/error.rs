@@ -1,0 +1,119 @@
+//! What is wrong with the input of a curve, an ease, a motion or a path.
+
+use thiserror::Error;
+
+/// Why a curve or a motion could not be made. Indices count from 0.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum CurveError {
+    /// Fewer points than the family needs.
+    #[error("{what} needs at least {needed} points, but there are {found}: give more points")]
+    TooFewPoints {
+        /// The family.
+        what: &'static str,
+        /// Points it needs.
+        needed: usize,
+        /// Points given.
+        found: usize,
+    },
+    /// A number of points that a family of fixed groups cannot use.
+    #[error("{what} needs {needed} points, but there are {found}: add or remove points")]
+    WrongCount {
+        /// The family.
+        what: &'static str,
+        /// Which numbers are right, in words.
+        needed: &'static str,
+        /// Points given.
+        found: usize,
+    },
+    /// A coordinate or number that is not finite.
+    #[error("{what} {index} is not finite: give it a number")]
+    NotFinite {
+        /// What the list holds: `"point"`, `"time"`, …
+        what: &'static str,
+        /// Its place in the list.
+        index: usize,
+    },
+    /// Times, nodes or keys that do not increase.
+    #[error("{what} {index} is {value}, not greater than the one before it, {before}: sort them and remove equal ones")]
+    NotIncreasing {
+        /// What the list holds: `"time"`, `"node"`, …
+        what: &'static str,
+        /// Place of the first that is not greater than the one before it.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// The value before it.
+        before: f64,
+    },
+    /// Two lists that belong together have different lengths.
+    #[error("there are {found} {what}, but {expected} {of} need {needed}: give one for each")]
+    Mismatch {
+        /// What there is a wrong number of.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        needed: usize,
+        /// What they belong to.
+        of: &'static str,
+        /// How many of those there are.
+        expected: usize,
+    },
+    /// A parameter outside its range.
+    #[error("{name} is {value}, but must be {range}")]
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range, in words.
+        range: &'static str,
+    },
+    /// A curve of no length where a length is needed.
+    #[error("the curve has no length: all its points coincide; give it distinct points")]
+    NoLength,
+}
+
+/// Refuses a list of points or numbers with one that is not finite.
+pub(crate) fn finite<S: anamorph_core::Space>(
+    what: &'static str,
+    points: &[S],
+) -> Result<(), CurveError> {
+    match points.iter().position(|point| !point.is_finite()) {
+        Some(index) => Err(CurveError::NotFinite { what, index }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses numbers that are not finite or do not increase.
+pub(crate) fn increasing(what: &'static str, values: &[f64]) -> Result<(), CurveError> {
+    if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+        return Err(CurveError::NotFinite { what, index });
+    }
+    match values.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(before) => Err(CurveError::NotIncreasing {
+            what,
+            index: before + 1,
+            value: values[before + 1],
+            before: values[before],
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses too few points, and points that are not finite.
+pub(crate) fn enough<S: anamorph_core::Space>(
+    what: &'static str,
+    needed: usize,
+    points: &[S],
+) -> Result<(), CurveError> {
+    if points.len() < needed {
+        return Err(CurveError::TooFewPoints {
+            what,
+            needed,
+            found: points.len(),
+        });
+    }
+    finite("point", points)
+}

@@ -1,0 +1,8 @@
+//! Curves in the plane and in space, and motion along them.
+//!
+//! A motion is `P(U(S(t)))` (*Interpolation Techniques*, chapter 2): time becomes distance, distance becomes a parameter,
+//! the parameter becomes a point.
+
+mod error;
+
+pub use error::CurveError;
