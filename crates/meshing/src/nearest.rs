@@ -55,21 +55,23 @@ impl<'a> SurfaceTree<'a> {
             faces,
             nodes: Vec::new(),
         };
-        tree.split(0, tree.faces.len());
+        let centres: Vec<DVec3> = (0..topology.faces())
+            .map(|face| surface.corners(face).into_iter().sum::<DVec3>() / 3.0)
+            .collect();
+        tree.split(0, tree.faces.len(), &centres);
         tree
     }
 
     /// Builds the node of a range; as deep as the logarithm of its length.
-    fn split(&mut self, start: usize, end: usize) {
+    fn split(&mut self, start: usize, end: usize, centres: &[DVec3]) {
         let surface = self.surface;
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (mut centre_low, mut centre_high) = (low, high);
-        let centre = |face: usize| surface.corners(face).into_iter().sum::<DVec3>() / 3.0;
         for &face in &self.faces[start..end] {
             for p in surface.corners(face) {
                 (low, high) = (low.min(p), high.max(p));
             }
-            let c = centre(face);
+            let c = centres[face];
             (centre_low, centre_high) = (centre_low.min(c), centre_high.max(c));
         }
         let own = self.nodes.len();
@@ -86,11 +88,13 @@ impl<'a> SurfaceTree<'a> {
         let axis = (centre_high - centre_low).max_position();
         let middle = (start + end) / 2;
         self.faces[start..end].select_nth_unstable_by(middle - start, |&a, &b| {
-            centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(&b))
+            centres[a][axis]
+                .total_cmp(&centres[b][axis])
+                .then(a.cmp(&b))
         });
-        self.split(start, middle);
+        self.split(start, middle, centres);
         self.nodes[own].second = Some(self.nodes.len());
-        self.split(middle, end);
+        self.split(middle, end, centres);
     }
 
     /// The nearest place; of places equally near, that in the lowest face.

@@ -370,6 +370,94 @@ mod tests {
         path
     }
 
+    /// Downhill as the slides find it: normal and up, crossed, crossed with the normal.
+    fn of_the_slides(surface: &Surface, face: usize, up: DVec3) -> DVec3 {
+        let [a, b, c] = surface.corners(face);
+        let normal = (b - a).cross(c - a).normalize();
+        let down = normal.cross(up).cross(normal);
+        if down.dot(up) > 0.0 { -down } else { down }
+    }
+
+    /// Every step goes downhill in its face, or along a valley: an edge of which no face leads away.
+    fn assert_steepest(surface: &Surface, path: &SurfacePath<DownhillEnd>, up: DVec3) {
+        for k in 0..path.faces.len() {
+            let way = path.positions[k + 1] - path.positions[k];
+            if way.length() < 1e-6 {
+                continue;
+            }
+            let way = way.normalize();
+            let down = of_the_slides(surface, path.faces[k], up).normalize();
+            if way.cross(down).length() < 1e-8 {
+                continue;
+            }
+            let edge = (0..surface.topology().edges()).find(|&edge| {
+                let [a, b] = surface.topology().ends(edge).map(SurfacePoint::Vertex);
+                let on = |p: SurfacePoint| {
+                    p == a || p == b || matches!(p, SurfacePoint::Edge { edge: e, .. } if e == edge)
+                };
+                on(path.points[k]) && on(path.points[k + 1])
+            });
+            let edge = edge.expect("an edge, or downhill");
+            for &face in surface.topology().edge_faces(edge) {
+                let t = surface.topology().triangle(face);
+                let ends = surface.topology().ends(edge);
+                let third = t
+                    .into_iter()
+                    .find(|v| !ends.contains(v))
+                    .expect("a third corner");
+                let apex = surface.positions()[third] - path.positions[k];
+                let inward = apex - way * apex.dot(way);
+                let down = of_the_slides(surface, face, up);
+                assert!(
+                    down.dot(inward) <= 1e-9,
+                    "the face leads away from the valley"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_step_is_steepest() {
+        let mut random = Random::new(19);
+        for round in 0..40 {
+            let mesh = if round % 4 == 0 {
+                sphere(2)
+            } else {
+                rough(9, 9, &mut random)
+            };
+            for _ in 0..20 {
+                let up = (random.vector() + DVec3::Z).normalize();
+                let path = lawful(&mesh, random.place(&mesh), up);
+                assert_steepest(&mesh, &path, up);
+            }
+            // At a vertex no direction around it is steeper than the one taken.
+            for vertex in 0..mesh.topology().vertices() {
+                let path = lawful(&mesh, SurfacePoint::Vertex(vertex), DVec3::Z);
+                let [first, second, ..] = path.positions[..] else {
+                    continue;
+                };
+                let slope = (first - second).normalize().z;
+                for corner in mesh.topology().corners(vertex) {
+                    let [a, b, c] = mesh.corners(corner.face);
+                    for k in 0..=50 {
+                        let t = f64::from(k) / 50.0;
+                        let toward = match mesh
+                            .topology()
+                            .triangle(corner.face)
+                            .iter()
+                            .position(|&v| v == vertex)
+                        {
+                            Some(0) => b + (c - b) * t,
+                            Some(1) => c + (a - c) * t,
+                            _ => a + (b - a) * t,
+                        };
+                        assert!((first - toward).normalize().z <= slope + 1e-12);
+                    }
+                }
+            }
+        }
+    }
+
     fn last(path: &SurfacePath<DownhillEnd>) -> DVec3 {
         path.positions[path.positions.len() - 1]
     }

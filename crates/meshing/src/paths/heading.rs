@@ -245,9 +245,46 @@ pub(super) fn at_vertex(
     vertex: usize,
     direction: DVec3,
 ) -> Result<Option<Heading>, PathError> {
+    let mut best = nearest_heading(surface, vertex, direction).ok_or(PathError::NoTangent)?;
+    if best.tangent <= PERPENDICULAR {
+        return Err(PathError::Perpendicular);
+    }
+    if best.cosine <= PERPENDICULAR && !best.leaves {
+        if surface.topology().is_boundary_vertex(vertex) {
+            return Ok(None);
+        }
+        // The surface falls away from the direction on all sides, as at the point of a spike: its level part decides.
+        let normal = surface.normal(SurfacePoint::Vertex(vertex));
+        let normal = normal.ok_or(PathError::Perpendicular)?;
+        let level = direction - normal * normal.dot(direction);
+        if level.length() <= PERPENDICULAR {
+            return Err(PathError::Perpendicular);
+        }
+        best = nearest_heading(surface, vertex, level.normalize()).ok_or(PathError::NoTangent)?;
+        if best.cosine <= PERPENDICULAR {
+            return Err(PathError::Perpendicular);
+        }
+    }
+    Ok((!best.leaves).then_some(best.heading))
+}
+
+/// A direction of the surface at a vertex, compared with one in space.
+struct NearestHeading {
+    heading: Heading,
+    /// The cosine of the angle between the two.
+    cosine: f64,
+    /// Whether the direction in space points over the boundary here.
+    leaves: bool,
+    /// The largest part that the direction in space has in any face.
+    tangent: f64,
+}
+
+/// The direction of the surface at a vertex that is nearest to a unit vector of space; the first of several, and `None`
+/// where no face has area.
+fn nearest_heading(surface: &Surface, vertex: usize, direction: DVec3) -> Option<NearestHeading> {
     let topology = surface.topology();
-    let mut best: Option<(f64, Flat, DVec2, bool)> = None;
-    let mut largest = 0.0_f64;
+    let mut best: Option<NearestHeading> = None;
+    let mut tangent = 0.0_f64;
     for corner in topology.corners(vertex) {
         let Some(flat) = laid_at(surface, vertex, corner) else {
             continue;
@@ -255,43 +292,36 @@ pub(super) fn at_vertex(
         let Some(part) = flat.part_of(surface, direction) else {
             continue;
         };
-        largest = largest.max(part.length());
+        let length = part.length();
+        tangent = tangent.max(length);
+        let mut consider = |cosine: f64, direction: DVec2, leaves: bool| {
+            if best.as_ref().is_none_or(|best| cosine > best.cosine) {
+                let heading = Heading {
+                    flat,
+                    origin: DVec2::ZERO,
+                    direction,
+                    from: Entry::Origin,
+                };
+                best = Some(NearestHeading {
+                    heading,
+                    cosine,
+                    leaves,
+                    tangent: 0.0,
+                });
+            }
+        };
         let after = flat.corners[2].normalize_or_zero();
         // How far the part is outside of the face, over the edge at which it enters and that at which it is left.
         let over = [-part.y, cross(after, part)];
-        let mut candidates = Vec::with_capacity(2);
-        if over[0] <= 0.0 && over[1] <= 0.0 {
-            candidates.push((part.length(), part, false));
-        } else {
-            for (k, (spoke, edge)) in [(DVec2::X, corner.before), (after, corner.after)]
-                .into_iter()
-                .enumerate()
-            {
-                let leaves = over[k] > STRAIGHT * part.length() && topology.is_boundary_edge(edge);
-                candidates.push((part.dot(spoke), spoke, leaves));
-            }
+        if over[0] <= 0.0 && over[1] <= 0.0 && length > PERPENDICULAR {
+            consider(length, part / length, false);
+            continue;
         }
-        for (score, part, leaves) in candidates {
-            if best.is_none_or(|(known, ..)| score > known) {
-                best = Some((score, flat, part, leaves));
-            }
+        let spokes = [(DVec2::X, corner.before), (after, corner.after)];
+        for ((spoke, edge), over) in spokes.into_iter().zip(over) {
+            let leaves = over > STRAIGHT * length && topology.is_boundary_edge(edge);
+            consider(part.dot(spoke), spoke, leaves);
         }
     }
-    let (score, flat, part, leaves) = best.ok_or(PathError::NoTangent)?;
-    if leaves || (score <= PERPENDICULAR && topology.is_boundary_vertex(vertex)) {
-        return if largest > PERPENDICULAR {
-            Ok(None)
-        } else {
-            Err(PathError::Perpendicular)
-        };
-    }
-    if score <= PERPENDICULAR {
-        return Err(PathError::Perpendicular);
-    }
-    Ok(Some(Heading {
-        flat,
-        origin: DVec2::ZERO,
-        direction: tangent(part)?,
-        from: Entry::Origin,
-    }))
+    best.map(|best| NearestHeading { tangent, ..best })
 }

@@ -13,6 +13,8 @@
 mod downhill;
 mod edges;
 mod heading;
+#[cfg(test)]
+mod hostile;
 mod section;
 mod straightest;
 mod unfold;

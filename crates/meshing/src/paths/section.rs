@@ -50,21 +50,22 @@ pub enum SectionEnd {
 
 /// A plane that cuts a surface through two places.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SectionPlane {
+pub struct SectionPlane<'a> {
+    surface: &'a Surface,
     from: SurfacePoint,
     to: SurfacePoint,
     origin: DVec3,
     normal: DVec3,
 }
 
-impl SectionPlane {
+impl<'a> SectionPlane<'a> {
     /// The plane through two places that are not at the same point of space.
     ///
     /// # Errors
     /// Where a place is not on the surface, both are at the same point, or the upright direction is null, not finite, or
     /// along the way between them.
     pub fn between(
-        surface: &Surface,
+        surface: &'a Surface,
         from: SurfacePoint,
         to: SurfacePoint,
         upright: Upright,
@@ -101,6 +102,7 @@ impl SectionPlane {
             }
         };
         Ok(Self {
+            surface,
             from,
             to,
             origin,
@@ -120,21 +122,21 @@ impl SectionPlane {
         self.normal
     }
 
-    /// The shortest path from start to target in the section of the surface for which the plane was made.
+    /// The shortest path from start to target in the section of the surface.
     ///
     /// Takes time that grows with the number of faces crossed, and at most once for each edge and vertex.
     #[must_use]
-    pub fn path(&self, surface: &Surface) -> SurfacePath<SectionEnd> {
-        Search::new(surface, self).run()
+    pub fn path(&self) -> SurfacePath<SectionEnd> {
+        Search::new(self).run()
     }
 
     /// The signed distance of a vertex, exactly 0 where rounding does not tell its sign.
-    fn side(&self, surface: &Surface, vertex: usize) -> f64 {
+    fn side(&self, vertex: usize) -> f64 {
         let ends = [self.from, self.to];
         if ends.contains(&SurfacePoint::Vertex(vertex)) {
             return 0.0;
         }
-        let offset = surface.positions()[vertex] - self.origin;
+        let offset = self.surface.positions()[vertex] - self.origin;
         let distance = self.normal.dot(offset);
         let noise = ROUNDINGS * f64::EPSILON * (offset.length() + self.origin.length());
         if distance.abs() <= noise {
@@ -167,7 +169,7 @@ pub fn section(
         trace.step(face, to);
         return Ok(trace.end(SectionEnd::Reached));
     }
-    Ok(SectionPlane::between(surface, from, to, upright)?.path(surface))
+    Ok(SectionPlane::between(surface, from, to, upright)?.path())
 }
 
 /// How a node was reached: from which, through which face, and how far from the start.
@@ -182,15 +184,15 @@ struct Reached {
 /// faces.
 struct Search<'a> {
     surface: &'a Surface,
-    plane: &'a SectionPlane,
+    plane: &'a SectionPlane<'a>,
     reached: BTreeMap<usize, Reached>,
     queue: BinaryHeap<Waiting>,
 }
 
 impl<'a> Search<'a> {
-    fn new(surface: &'a Surface, plane: &'a SectionPlane) -> Self {
+    fn new(plane: &'a SectionPlane<'a>) -> Self {
         Self {
-            surface,
+            surface: plane.surface,
             plane,
             reached: BTreeMap::new(),
             queue: BinaryHeap::new(),
@@ -230,17 +232,18 @@ impl<'a> Search<'a> {
             .surface
             .topology()
             .ends(edge)
-            .map(|v| self.plane.side(self.surface, v));
+            .map(|v| self.plane.side(v));
         // The signs differ and are certain, so that the fraction lies within (0, 1) but for rounding.
         let fraction = (low / (low - high)).clamp(0.0, 1.0);
-        SurfacePoint::Edge { edge, fraction }
+        self.surface
+            .simplified(SurfacePoint::Edge { edge, fraction })
     }
 
     /// The nodes at which the section touches a face; within it, each is joined to each by a straight segment.
     fn nodes_of_face(&self, face: usize) -> Vec<usize> {
         let topology = self.surface.topology();
         let triangle = topology.triangle(face);
-        let sides = triangle.map(|v| self.plane.side(self.surface, v));
+        let sides = triangle.map(|v| self.plane.side(v));
         let mut nodes: Vec<usize> = (0..3)
             .filter(|&k| sides[k] == 0.0)
             .map(|k| triangle[k])

@@ -49,7 +49,8 @@ pub struct StraightestEnd {
 ///
 /// In a face, the direction's part in its plane counts. On an edge, its parts along the edge and across it, in the plane
 /// that halves the angle of the two faces. At a vertex, that direction of the surface which is nearest to it; of several,
-/// that in the first face around the vertex.
+/// that in the first face around the vertex. (Where the surface falls away from it on all sides, as at the point of a spike,
+/// that nearest to its part perpendicular to the vertex's normal.)
 ///
 /// # Errors
 /// Where the start is not on the surface or has no tangent there, the direction is null, not finite or perpendicular to the
@@ -142,7 +143,7 @@ mod tests {
     use crate::testing::{Random, assert_lawful, cone, cube, grid, grid_faces, rough, sphere};
     use anamorph_core::glam::dvec3;
     use anamorph_core::math;
-    use core::f64::consts::TAU;
+    use core::f64::consts::{PI, TAU};
 
     fn lawful(
         surface: &Surface,
@@ -158,6 +159,94 @@ mod tests {
             path.ending.remaining == 0.0
         );
         path
+    }
+
+    /// The angle of two vectors.
+    fn angle(a: DVec3, b: DVec3) -> f64 {
+        math::atan2(a.cross(b).length(), a.dot(b))
+    }
+
+    /// The definition: equal angles on both sides, measured in space around every vertex and edge of the path. The number
+    /// of places measured.
+    fn assert_equal_angles(surface: &Surface, path: &SurfacePath<StraightestEnd>) -> usize {
+        let mut measured = 0;
+        for k in 1..path.points.len() - 1 {
+            let (at, faces) = (path.positions[k], [path.faces[k - 1], path.faces[k]]);
+            let (back, on) = (path.positions[k - 1] - at, path.positions[k + 1] - at);
+            if back.length().min(on.length()) < 1e-3 || faces[0] == faces[1] {
+                continue;
+            }
+            match path.points[k] {
+                SurfacePoint::Edge { edge, .. } => {
+                    let [a, b] = surface
+                        .topology()
+                        .ends(edge)
+                        .map(|v| surface.positions()[v]);
+                    let (left, right) = (
+                        angle(back, a - at) + angle(a - at, on),
+                        angle(back, b - at) + angle(b - at, on),
+                    );
+                    assert!(
+                        (left - PI).abs() < 1e-9 && (right - PI).abs() < 1e-9,
+                        "{left} {right}"
+                    );
+                }
+                SurfacePoint::Vertex(vertex) => {
+                    let fan = surface.topology().corners(vertex);
+                    let far = |edge: usize| {
+                        let [a, b] = surface.topology().ends(edge);
+                        surface.positions()[if a == vertex { b } else { a }] - at
+                    };
+                    let before = |face: usize, way: DVec3| {
+                        let own = fan.iter().position(|c| c.face == face).expect("a corner");
+                        let whole = fan[..own]
+                            .iter()
+                            .map(|c| angle(far(c.before), far(c.after)));
+                        whole.sum::<f64>() + angle(far(fan[own].before), way)
+                    };
+                    let total: f64 = fan.iter().map(|c| angle(far(c.before), far(c.after))).sum();
+                    let between = (before(faces[0], back) - before(faces[1], on)).abs();
+                    // At the boundary only one side has an angle, and it is straight.
+                    let boundary = surface.topology().is_boundary_vertex(vertex);
+                    let expected = if boundary { PI } else { 0.5 * total };
+                    assert!((between - expected).abs() < 1e-9, "{between} of {total}");
+                }
+                SurfacePoint::Face { .. } => panic!("a bend within a face"),
+            }
+            measured += 1;
+        }
+        measured
+    }
+
+    #[test]
+    fn angles_on_both_sides_are_equal() {
+        let mut random = Random::new(18);
+        let (mut edges, mut vertices) = (0, 0);
+        for round in 0..40 {
+            let mesh = if round % 4 == 0 {
+                sphere(2)
+            } else {
+                rough(9, 9, &mut random)
+            };
+            for _ in 0..20 {
+                let path = lawful(&mesh, random.place(&mesh), random.vector(), 6.0);
+                edges += assert_equal_angles(&mesh, &path);
+                // Aimed at an inner vertex along an edge.
+                let edge = random.below(mesh.topology().edges());
+                let [a, b] = mesh.topology().ends(edge);
+                if !mesh.topology().is_boundary_vertex(b) {
+                    let way = mesh.positions()[b] - mesh.positions()[a];
+                    let start = SurfacePoint::Edge {
+                        edge,
+                        fraction: 0.25,
+                    };
+                    let path = lawful(&mesh, start, way, way.length() + 0.5);
+                    assert_eq!(path.points[1], SurfacePoint::Vertex(b));
+                    vertices += assert_equal_angles(&mesh, &path);
+                }
+            }
+        }
+        assert!(edges > 2000 && vertices > 200, "{edges} {vertices}");
     }
 
     fn last(path: &SurfacePath<StraightestEnd>) -> DVec3 {
@@ -528,8 +617,17 @@ mod tests {
             Err(PathError::Length { .. })
         ));
         let cube = cube();
-        let away = straightest(&cube, SurfacePoint::Vertex(7), DVec3::ONE, 1.0);
-        assert_eq!(away, Err(PathError::Perpendicular));
+        let corner = SurfacePoint::Vertex(7);
+        let normal = cube.normal(corner).expect("a normal");
+        assert_eq!(
+            straightest(&cube, corner, normal, 1.0),
+            Err(PathError::Perpendicular)
+        );
+        // From the point of a spike, up and to the side: to that side.
+        let spike = cone(6, 9.0);
+        let path = lawful(&spike, SurfacePoint::Vertex(6), dvec3(-0.1, 0.0, 1.0), 4.0);
+        let end = last(&path);
+        assert!(end.x < -0.3 && end.y.abs() < 1e-14, "{end}");
     }
 
     #[test]
