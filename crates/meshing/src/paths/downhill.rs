@@ -35,7 +35,8 @@ pub enum DownhillEnd {
     Boundary,
     /// Where nothing falls and something is level: a level face, a level valley.
     Level,
-    /// At a face without area, whose slope is not known; weld vertices at the same place to get rid of such faces.
+    /// At a vertex that a face without area joins to another at the same place or height, from which it may go on
+    /// downhill; weld vertices at the same place to get rid of such faces.
     NoArea {
         /// Number of the face.
         face: usize,
@@ -123,11 +124,12 @@ fn walk(heights: &Heights<'_>, start: SurfacePoint, length: f64) -> SurfacePath<
     let mut trace = Trace::new(surface, start);
     let (mut place, mut remaining) = (start, length);
     let mut lowest = heights.of_point(start);
-    let mut since_lowest = BTreeSet::new();
+    // Since the height last fell: the places visited, and the faces without area that were crossed.
+    let (mut since_lowest, mut crossed) = (BTreeSet::new(), BTreeSet::new());
     for _ in 0..DOWNHILL_STEPS {
         let step = match place {
             SurfacePoint::Face { face, .. } => heights.in_face(place, face),
-            SurfacePoint::Edge { edge, .. } => heights.on_edge(place, edge),
+            SurfacePoint::Edge { edge, .. } => heights.on_edge(place, edge, &crossed),
             SurfacePoint::Vertex(vertex) => heights.at_vertex(vertex),
         };
         let (face, next) = match step {
@@ -142,6 +144,9 @@ fn walk(heights: &Heights<'_>, start: SurfacePoint, length: f64) -> SurfacePath<
                 direction,
                 from,
             }) => {
+                if !flat.has_area() {
+                    crossed.insert(flat.face);
+                }
                 let (exit, _) = flat.leave(origin, direction, from);
                 (flat.face, flat.exit_point(surface, exit))
             }
@@ -160,6 +165,7 @@ fn walk(heights: &Heights<'_>, start: SurfacePoint, length: f64) -> SurfacePath<
         if height < lowest {
             lowest = height;
             since_lowest.clear();
+            crossed.clear();
         } else {
             let element = match next {
                 SurfacePoint::Vertex(vertex) => (0, vertex),
@@ -229,17 +235,30 @@ impl Heights<'_> {
         })
     }
 
-    fn on_edge(&self, place: SurfacePoint, edge: usize) -> Result<Step, DownhillEnd> {
+    /// Faces without area are crossed straight, each once while the height does not fall: what lies behind them is beside
+    /// the edge.
+    fn on_edge(
+        &self,
+        place: SurfacePoint,
+        edge: usize,
+        crossed: &BTreeSet<usize>,
+    ) -> Result<Step, DownhillEnd> {
         let [low, high] = self.surface.topology().ends(edge);
         let faces = self.surface.topology().edge_faces(edge);
         let mut steepest = Steepest::default();
         let mut without_area = None;
         for &face in faces {
-            let flat = Flat::along(self.surface, face, low, high).filter(Flat::has_area);
-            let Some(flat) = flat else {
-                without_area = without_area.or(Some(face));
+            let Some(flat) = Flat::along(self.surface, face, low, high) else {
                 continue;
             };
+            if !flat.has_area() {
+                if !crossed.contains(&face) {
+                    without_area = without_area.or(Some(flat));
+                } else if faces.len() == 1 {
+                    return Err(DownhillEnd::Boundary);
+                }
+                continue;
+            }
             let down = self.downhill_in(&flat);
             let slope = down.length();
             if down.y > ALONG * slope {
@@ -256,8 +275,13 @@ impl Heights<'_> {
                 return Err(DownhillEnd::Boundary);
             }
         }
-        if let (None, Some(face)) = (steepest.step, without_area) {
-            return Err(DownhillEnd::NoArea { face });
+        if let (None, Some(flat)) = (steepest.step, without_area) {
+            return Ok(Step::Face {
+                flat,
+                origin: flat.place(self.surface, place),
+                direction: DVec2::Y,
+                from: Entry::Base,
+            });
         }
         let end = if self.of(low) < self.of(high) {
             low
@@ -283,7 +307,7 @@ impl Heights<'_> {
         let topology = self.surface.topology();
         let corners = topology.corners(vertex);
         let mut steepest = Steepest::default();
-        let (mut all_rises, mut sloped) = (true, false);
+        let (mut all_rises, mut sloped, mut without_area) = (true, false, None);
         let far = |edge: usize| {
             let [a, b] = topology.ends(edge);
             if a == vertex { b } else { a }
@@ -291,6 +315,7 @@ impl Heights<'_> {
         for corner in corners {
             let flat = Flat::along(self.surface, corner.face, vertex, far(corner.before));
             let Some(flat) = flat.filter(Flat::has_area) else {
+                without_area = without_area.or(Some(corner.face));
                 continue;
             };
             let down = self.downhill_in(&flat);
@@ -323,9 +348,12 @@ impl Heights<'_> {
                 Err(DownhillEnd::Boundary)
             }
             Some(step) => Ok(step),
-            None if sloped && topology.is_boundary_vertex(vertex) => Err(DownhillEnd::Boundary),
-            None if all_rises => Err(DownhillEnd::Pit),
-            None => Err(DownhillEnd::Level),
+            None => Err(match without_area {
+                Some(face) if !all_rises => DownhillEnd::NoArea { face },
+                _ if sloped && topology.is_boundary_vertex(vertex) => DownhillEnd::Boundary,
+                _ if all_rises => DownhillEnd::Pit,
+                _ => DownhillEnd::Level,
+            }),
         }
     }
 
@@ -654,23 +682,46 @@ mod tests {
 
     #[test]
     fn faces_without_area_and_questions_without_meaning() {
-        // Two triangles joined by a face without area, whose third corner is on its long side.
-        let positions = vec![
-            dvec3(0.0, 0.0, 2.0),
-            dvec3(-1.0, 0.0, 1.0),
-            dvec3(1.0, 0.0, 1.0),
-            dvec3(0.0, 0.0, 1.0),
-            dvec3(0.0, 0.0, 0.0),
-        ];
-        let faces = [[0, 1, 2], [1, 3, 2], [1, 4, 3], [3, 4, 2]];
-        let seam = Surface::new(positions, &faces).expect("a seam");
+        // Two triangles joined by a face without area, whose third corner is on its long side, beside the way.
+        let seam = |bottom: f64| {
+            let positions = vec![
+                dvec3(0.0, 0.0, 2.0),
+                dvec3(-1.0, 0.0, 1.0),
+                dvec3(1.0, 0.0, 1.0),
+                dvec3(0.0, 0.0, 1.0),
+                dvec3(0.0, 0.5, bottom),
+            ];
+            let faces = [[0, 1, 2], [1, 3, 2], [1, 4, 3], [3, 4, 2]];
+            Surface::new(positions, &faces).expect("a seam")
+        };
         let start = SurfacePoint::Face {
             face: 0,
             weights: [0.4, 0.4, 0.2],
         };
-        let path = downhill(&seam, start, DVec3::Z, FAR).expect("a walk");
-        assert_lawful(&seam, &path);
+        let path = downhill(&seam(0.0), start, DVec3::Z, FAR).expect("a walk");
+        assert_lawful(&seam(0.0), &path);
+        assert_eq!(path.faces, [0, 1, 2]);
+        assert_eq!(path.ending, DownhillEnd::Boundary);
+        // Where it rises behind the seam, the seam is a level valley.
+        let path = downhill(&seam(1.5), start, DVec3::Z, FAR).expect("a walk");
+        assert_lawful(&seam(1.5), &path);
+        assert_eq!(path.ending, DownhillEnd::Level);
+        // With nothing behind it, the seam is the boundary.
+        let bare = Surface::new(seam(0.0).positions().to_vec(), &[[0, 1, 2], [1, 3, 2]])
+            .expect("a face and a seam");
+        let path = downhill(&bare, start, DVec3::Z, FAR).expect("a walk");
+        assert_eq!(
+            (path.ending, path.faces),
+            (DownhillEnd::Boundary, vec![0, 1])
+        );
+        // Into a vertex whose double may lead on.
+        let mut positions = seam(0.0).positions().to_vec();
+        positions.extend([dvec3(0.0, 0.0, 1.0), dvec3(0.0, -1.0, 2.0)]);
+        let double =
+            Surface::new(positions, &[[6, 1, 3], [3, 1, 5], [1, 4, 5]]).expect("a double vertex");
+        let path = downhill(&double, SurfacePoint::Vertex(3), DVec3::Z, FAR).expect("a walk");
         assert_eq!(path.ending, DownhillEnd::NoArea { face: 1 });
+        let seam = seam(0.0);
         let in_seam = SurfacePoint::Face {
             face: 1,
             weights: [0.4, 0.4, 0.2],
