@@ -35,7 +35,9 @@ pub enum CurveError {
         index: usize,
     },
     /// Times, nodes or keys that do not increase.
-    #[error("{what} {index} is {value}, not greater than the one before it, {before}: sort them and remove equal ones")]
+    #[error(
+        "{what} {index} is {value}, not greater than the one before it, {before}: sort them and remove equal ones"
+    )]
     NotIncreasing {
         /// What the list holds: `"time"`, `"node"`, …
         what: &'static str,
@@ -69,6 +71,14 @@ pub enum CurveError {
         value: f64,
         /// The range, in words.
         range: &'static str,
+    },
+    /// Input that a family would not read.
+    #[error("a {family} curve does not read {what}: leave it out")]
+    NotRead {
+        /// The family.
+        family: &'static str,
+        /// What was given.
+        what: String,
     },
     /// A curve of no length where a length is needed.
     #[error("the curve has no length: all its points coincide; give it distinct points")]
