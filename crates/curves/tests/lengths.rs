@@ -4,7 +4,6 @@
 
 mod common;
 
-use anamorph_core::Curve;
 use anamorph_core::glam::{DVec2, DVec3, dvec2, dvec3};
 use anamorph_curves::arc_length::methods::methods;
 use anamorph_curves::arc_length::{closed, cubic_lengths, cubic_parameter_at};
