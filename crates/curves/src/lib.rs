@@ -3,6 +3,9 @@
 //! A motion is `P(U(S(t)))` (*Interpolation Techniques*, chapter 2): time becomes distance, distance becomes a parameter,
 //! the parameter becomes a point.
 
+pub mod eases;
 mod error;
+//MOT
+//SMO
 
 pub use error::CurveError;
