@@ -6,6 +6,6 @@
 pub mod eases;
 mod error;
 //MOT
-//SMO
+pub mod smoothing;
 
 pub use error::CurveError;
