@@ -5,7 +5,7 @@
 
 pub mod eases;
 mod error;
-//MOT
+pub mod motion;
 pub mod smoothing;
 
 pub use error::CurveError;

@@ -34,7 +34,7 @@ impl SavitzkyGolay {
     /// [`CurveError::OutOfRange`].
     pub fn new(window: usize, degree: usize) -> Result<Self, CurveError> {
         #[allow(clippy::cast_precision_loss)]
-        if window % 2 == 0 || window > WIDEST {
+        if window.is_multiple_of(2) || window > WIDEST {
             return Err(CurveError::OutOfRange {
                 name: "window",
                 value: window as f64,
