@@ -130,6 +130,14 @@ pub enum CurveError {
         /// Which conditions, and how to mend them.
         problem: String,
     },
+    /// Input that a family would not read.
+    #[error("a {family} curve does not read {what}: leave it out")]
+    NotRead {
+        /// The family.
+        family: &'static str,
+        /// What was given.
+        what: String,
+    },
     /// A curve of no length where a length is needed.
     #[error("the curve has no length: all its points coincide; give it distinct points")]
     NoLength,

@@ -1,0 +1,79 @@
+//! The curve formulations of *Interpolation Techniques*, chapter 2, one a file, each a generator of a curve.
+//!
+//! Families with cubic pieces make a [`PiecewiseCubic`](crate::PiecewiseCubic); [`Lagrange`] and curves of other degrees
+//! make a [`PiecewiseBezier`](crate::PiecewiseBezier) or themselves.
+
+mod bezier;
+mod bspline;
+mod catmull_rom;
+mod four_point;
+mod hermite;
+mod kochanek_bartels;
+mod lagrange;
+mod parabolas;
+pub mod registry;
+
+pub use bezier::CubicBezier;
+pub use bspline::{BSpline, Knots};
+pub use catmull_rom::{CatmullRom, Ends, Spacing};
+pub use four_point::FourPoint;
+pub use hermite::Hermite;
+pub use kochanek_bartels::{KochanekBartels, Shape};
+pub use lagrange::{Lagrange, MAX_NODES};
+pub use parabolas::BlendedParabolas;
+
+use crate::error::increasing;
+use crate::{Cubic, CurveError, PiecewiseCubic};
+use anamorph_core::Space;
+
+/// A recipe for a curve of cubic pieces.
+pub trait Generator<S: Space> {
+    /// Makes the curve.
+    ///
+    /// # Errors
+    ///
+    /// Input from which the family cannot make one; the error names the element.
+    fn curve(&self) -> Result<PiecewiseCubic<S>, CurveError>;
+}
+
+/// Refuses times that do not increase, or are not one for each of `count` keys (`closed`: and one for the return to the
+/// first).
+fn check_times(times: &[f64], count: usize, closed: bool) -> Result<(), CurveError> {
+    let needed = count + usize::from(closed);
+    if times.len() != needed {
+        return Err(CurveError::Mismatch {
+            what: "times",
+            found: times.len(),
+            needed,
+            of: if closed {
+                "keys and the return to the first"
+            } else {
+                "keys"
+            },
+            expected: needed,
+        });
+    }
+    increasing("time", times)
+}
+
+/// The curve of these spans over `times` (or 0, 1, 2, …) that ends at the last of `points`, or at the first if closed.
+fn through<S: Space>(
+    points: &[S],
+    spans: Vec<Cubic<S>>,
+    times: Option<&[f64]>,
+    closed: bool,
+) -> Result<PiecewiseCubic<S>, CurveError> {
+    let curve = match times {
+        Some(times) => PiecewiseCubic::with_breaks(spans, times.to_vec(), closed)?,
+        None => PiecewiseCubic::new(spans, closed)?,
+    };
+    let end = if closed {
+        points.first()
+    } else {
+        points.last()
+    };
+    Ok(match end {
+        Some(end) => curve.ending_at(*end),
+        None => curve,
+    })
+}

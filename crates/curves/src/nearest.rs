@@ -1,0 +1,246 @@
+//! Nearest points of a curve: all local minima of the distance, and the least.
+//!
+//! *Source*: Milliron et al., 2002, §4.4 (features need nearest points; errata F10: exact, ties to the smallest parameter);
+//! P. Schneider, *Solving the nearest-point-on-curve problem*, Graphics Gems I, 1990. For a polynomial piece of degree `n`
+//! the derivative of the squared distance, `(P − q)·P′`, is a polynomial of degree `2n − 1`; its roots in Bernstein form are found
+//! all, by variation diminution, so that nothing is sampled and nothing guessed.
+
+use crate::bezier::{Bezier, Pieces};
+use crate::families::Lagrange;
+use crate::polynomial::{crossings, product};
+use crate::{PiecewiseBezier, PiecewiseCubic};
+use anamorph_core::{Curve, Nearest, NearestPoint, Space};
+
+/// Distances that differ by less than this share of the curve's size are equal (errata F10).
+const TIE: f64 = 1e-12;
+
+/// The derivative of the squared distance to `to` along a piece, in Bernstein form, in units in which its products neither overflow nor vanish.
+fn slope<S: Space>(piece: &Bezier<S>, to: S, unit: f64) -> Vec<f64> {
+    let velocity = piece.differences();
+    let mut sum = vec![0.0; 2 * piece.degree()];
+    for axis in 0..S::DIM {
+        let offset: Vec<f64> = piece
+            .points()
+            .iter()
+            .map(|p| (*p - to).component(axis) / unit)
+            .collect();
+        let along: Vec<f64> = velocity.iter().map(|v| v.component(axis) / unit).collect();
+        for (s, p) in sum.iter_mut().zip(product(&offset, &along)) {
+            *s += p;
+        }
+    }
+    sum
+}
+
+/// A run of pieces and the box around their control points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Node<S> {
+    low: S,
+    high: S,
+    from: usize,
+    to: usize,
+    /// Its two halves, or nothing.
+    halves: Option<(usize, usize)>,
+}
+
+impl<S: Space> Node<S> {
+    /// The distance of a point to the box.
+    fn distance(&self, to: S) -> f64 {
+        let out = S::from_fn(|axis| {
+            let p = to.component(axis);
+            (self.low.component(axis) - p)
+                .max(p - self.high.component(axis))
+                .max(0.0)
+        });
+        out.length()
+    }
+}
+
+/// A curve prepared for many nearest-point questions: its pieces in a tree of boxes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NearestTable<S> {
+    pieces: Vec<(f64, f64, Bezier<S>)>,
+    nodes: Vec<Node<S>>,
+    root: usize,
+    size: f64,
+    closed: bool,
+}
+
+impl<S: Space> NearestTable<S> {
+    /// Prepares a curve.
+    #[must_use]
+    pub fn new<C: Pieces<S> + ?Sized>(curve: &C) -> Self {
+        let pieces = curve.bezier_pieces();
+        let mut nodes: Vec<Node<S>> = Vec::with_capacity(2 * pieces.len());
+        let mut level: Vec<usize> = Vec::with_capacity(pieces.len());
+        for (i, (_, _, piece)) in pieces.iter().enumerate() {
+            let first = piece.points()[0];
+            let (low, high) = piece
+                .points()
+                .iter()
+                .fold((first, first), |(low, high), p| (low.min(*p), high.max(*p)));
+            level.push(nodes.len());
+            nodes.push(Node {
+                low,
+                high,
+                from: i,
+                to: i + 1,
+                halves: None,
+            });
+        }
+        while level.len() > 1 {
+            let mut next = Vec::with_capacity(level.len().div_ceil(2));
+            for pair in level.chunks(2) {
+                if let [a, b] = *pair {
+                    let (left, right) = (nodes[a], nodes[b]);
+                    next.push(nodes.len());
+                    nodes.push(Node {
+                        low: left.low.min(right.low),
+                        high: left.high.max(right.high),
+                        from: left.from,
+                        to: right.to,
+                        halves: Some((a, b)),
+                    });
+                } else {
+                    next.extend_from_slice(pair);
+                }
+            }
+            level = next;
+        }
+        let root = level.first().copied().unwrap_or(0);
+        let size = nodes.get(root).map_or(0.0, |n| n.high.distance(n.low));
+        Self {
+            pieces,
+            nodes,
+            root,
+            size,
+            closed: curve.is_closed(),
+        }
+    }
+
+    fn found(&self, piece: usize, t: f64, to: S) -> Nearest<S> {
+        let (a, b, bezier) = &self.pieces[piece];
+        let point = bezier.point(t);
+        Nearest {
+            parameter: if t >= 1.0 { *b } else { a + (b - a) * t },
+            point,
+            distance: point.distance(to),
+        }
+    }
+
+    /// A length in which all offsets and velocities are moderate numbers.
+    fn unit(&self, to: S) -> f64 {
+        let unit = self.size.max(self.nodes[self.root].distance(to));
+        if unit > 0.0 && unit.is_finite() {
+            unit
+        } else {
+            1.0
+        }
+    }
+
+    /// The place nearest to a point; of places equally near, to 1e-12 of the curve's size, that of the least parameter.
+    #[must_use]
+    pub fn nearest(&self, to: S) -> Nearest<S> {
+        let mut best = self.found(0, 0.0, to);
+        if !to.is_finite() {
+            return best;
+        }
+        let tie = TIE * self.size;
+        let consider = |candidate: Nearest<S>, best: &mut Nearest<S>| {
+            let nearer = candidate.distance < best.distance - tie;
+            let as_near = candidate.distance <= best.distance + tie;
+            if nearer || (as_near && candidate.parameter < best.parameter) {
+                *best = candidate;
+            }
+        };
+        let mut stack = vec![self.root];
+        while let Some(index) = stack.pop() {
+            let node = self.nodes[index];
+            if node.distance(to) > best.distance + tie {
+                continue;
+            }
+            if let Some((a, b)) = node.halves {
+                // The nearer half first: it makes the other more likely to be left out.
+                let (near, far) = if self.nodes[a].distance(to) <= self.nodes[b].distance(to) {
+                    (a, b)
+                } else {
+                    (b, a)
+                };
+                stack.push(far);
+                stack.push(near);
+                continue;
+            }
+            consider(self.found(node.from, 0.0, to), &mut best);
+            consider(self.found(node.from, 1.0, to), &mut best);
+            for crossing in crossings(&slope(&self.pieces[node.from].2, to, self.unit(to))) {
+                if crossing.rising {
+                    consider(self.found(node.from, crossing.at, to), &mut best);
+                }
+            }
+        }
+        best
+    }
+
+    /// All places at which the distance to a point has a local minimum, in the order of their parameters. Ends of an open curve and corners
+    /// count where the curve leads away from the point; of a stretch that stays equally far, its first place.
+    #[must_use]
+    pub fn local_minima(&self, to: S) -> Vec<Nearest<S>> {
+        let mut minima = Vec::new();
+        if !to.is_finite() {
+            return minima;
+        }
+        let unit = self.unit(to);
+        let slopes: Vec<Vec<f64>> = self
+            .pieces
+            .iter()
+            .map(|(_, _, p)| slope(p, to, unit))
+            .collect();
+        let sign = |c: &f64| (*c != 0.0).then_some(*c > 0.0);
+        // Whether the distance grew at the end of what lies before, and where that was.
+        let seam = slopes
+            .iter()
+            .rev()
+            .find_map(|s| s.iter().rev().find_map(sign));
+        let mut growing = if self.closed { seam } else { None };
+        let mut since: (usize, f64) = (0, 0.0);
+        for (i, slope) in slopes.iter().enumerate() {
+            let Some(starts) = slope.iter().find_map(sign) else {
+                continue;
+            };
+            if starts && growing != Some(true) {
+                minima.push(self.found(since.0, since.1, to));
+            }
+            let inside = crossings(slope);
+            let rising = inside.iter().filter(|c| c.rising);
+            minima.extend(rising.map(|c| self.found(i, c.at, to)));
+            growing = slope.iter().rev().find_map(sign);
+            since = (i, 1.0);
+        }
+        match growing {
+            // The whole curve is equally far.
+            None => minima.push(self.found(0, 0.0, to)),
+            Some(false) if !self.closed => minima.push(self.found(since.0, since.1, to)),
+            Some(_) => {}
+        }
+        minima.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
+        minima
+    }
+}
+
+macro_rules! nearest {
+    ($curve:ty) => {
+        impl<S: Space> NearestPoint<S> for $curve {
+            /// Prepares a [`NearestTable`] and asks it; for many questions keep the table.
+            fn nearest(&self, to: S) -> Nearest<S> {
+                NearestTable::new(self).nearest(to)
+            }
+        }
+    };
+}
+nearest!(PiecewiseCubic<S>);
+nearest!(PiecewiseBezier<S>);
+nearest!(Bezier<S>);
+nearest!(Lagrange<S>);
+
+#[cfg(test)]
+mod tests;
