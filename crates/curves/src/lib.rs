@@ -7,11 +7,14 @@ pub mod arc_length;
 pub mod bezier;
 mod bounds;
 mod curvature;
+pub mod eases;
 mod error;
 pub mod families;
+pub mod motion;
 mod nearest;
 mod piecewise;
 mod polynomial;
+pub mod smoothing;
 
 pub use arc_length::{ArcLength, InverseArcLength, LengthTable};
 pub use bezier::{Bezier, Pieces, PiecewiseBezier};
