@@ -546,6 +546,41 @@ fn even_turning_has_answers_where_nothing_turns() {
     ));
 }
 
+#[test]
+fn the_farthest_spans_and_rates_give_numbers() {
+    let mut random = Random(12);
+    let ends = [Ends::NATURAL, Ends::CHORDS, Ends::RESTS];
+    let fast = Ends {
+        start: End::Rate(DVec3::new(1e30, -1e30, 1e29)),
+        end: End::Rate(DVec3::new(-1e30, 1e20, 1e30)),
+    };
+    for times in [
+        [0.0, 1e-30, 1e30, 1.5e30, 2e30],
+        [-2e30, -1e30, 0.0, 1e-30, 2e-30],
+        [0.0, 1.0, 2.0, 3.0, 4.0],
+    ] {
+        for closed in [false, true] {
+            let keys = match closed {
+                false => Keys::new(&random.keys(5, 3.0), &times),
+                true => Keys::closed(&random.keys(4, 3.0), &times),
+            };
+            let keys = keys.unwrap();
+            let mut paths = kinds(&keys);
+            for ends in ends.into_iter().chain([fast]) {
+                let spline = RotationSpline::new(&keys, ends).unwrap();
+                paths.push(("spline", Box::new(spline)));
+            }
+            for (name, path) in paths {
+                for t in samples(&path).into_iter().chain(times) {
+                    let q = path.orientation(t);
+                    assert!((q.dot(q) - 1.0).abs() < 1e-13, "{name} at {t}: {q:?}");
+                    assert!(path.angular_velocity(t).is_finite(), "{name} at {t}");
+                }
+            }
+        }
+    }
+}
+
 /// Where spans are so uneven that the cubic equations have no solution worth having, the path stays C² and near its keys.
 #[test]
 fn very_uneven_spans_stay_tame() {
