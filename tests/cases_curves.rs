@@ -100,7 +100,8 @@ fn run<S: Space>(case: &Case) -> usize {
             // What counts is the length up to the parameter (errata C13); parameters are compared as well.
             let curve = piecewise::<S>(case);
             let table = LengthTable::new(&curve, 1e-12).unwrap();
-            let found = case.input().iter().map(|s| {
+            let asked = case.input();
+            let found = asked.iter().map(|s| {
                 let (u, single) = (table.parameter(s[0]), curve.parameter_at(s[0], 1e-12));
                 for u in [u, single] {
                     let reached = curve.length_between(0.0, u, 1e-13);
