@@ -10,6 +10,7 @@ mod curvature;
 mod error;
 pub mod families;
 mod nearest;
+pub mod orientation;
 mod piecewise;
 mod polynomial;
 
