@@ -225,7 +225,9 @@ fn run<S: Rotational>(case: &Case) -> usize {
 
 #[test]
 fn every_case_is_met() {
-    let cases = all();
+    // Those of curves have tests of their own.
+    let mut cases = all();
+    cases.retain(|case| !case.op.starts_with("curves."));
     assert!(cases.len() >= 16, "{}", cases.len());
     for case in &cases {
         let compared = match case.dimension() {

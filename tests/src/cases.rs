@@ -62,6 +62,30 @@ impl Case {
         rows(&self.points)[0].len()
     }
 
+    /// What goes in, row by row.
+    pub fn input(&self) -> Vec<Vec<f64>> {
+        rows(&self.points)
+    }
+
+    /// Compares rows with those expected; returns how many were compared.
+    pub fn compare(&self, found: &[Vec<f64>]) -> usize {
+        let expected = rows(&self.expected);
+        assert_eq!(found.len(), expected.len(), "{}", self.id);
+        for (i, (found, wanted)) in found.iter().zip(&expected).enumerate() {
+            assert_eq!(found.len(), wanted.len(), "{}, row {i}", self.id);
+            let size = wanted.iter().fold(1.0_f64, |m, w| m.max(w.abs()));
+            for (f, w) in found.iter().zip(wanted) {
+                let error = (f - w).abs();
+                assert!(
+                    error <= self.tol * size,
+                    "{}, row {i}: {found:?} is not {wanted:?} ({error:e})",
+                    self.id
+                );
+            }
+        }
+        found.len()
+    }
+
     /// Moves the points of the case and compares them with those expected; returns how many were compared.
     pub fn check<S: Space>(&self, deformation: &dyn Deformation<S>) -> usize {
         let start: Vec<S> = rows(&self.points).iter().map(|row| point(row)).collect();

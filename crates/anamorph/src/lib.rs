@@ -8,7 +8,7 @@
 //! | (root) | always | the engine and its vocabulary: [`Deformation`], [`Warp`], [`Field`], [`Stack`], [`map_all`], … |
 //! | `features` | default | pairs of points and frames |
 //! | `fields` | default | falloffs, fields of space and of a model, polynomial bases |
-//! | `transforms` | default | composition scaling, polar decomposition, quaternions |
+//! | `transforms` | default | composition scaling, polar decomposition, quaternions, paths through orientations |
 //! | `warps` | default | the warps: points, frames, vortex, lattices, taper, bend, twist, axial |
 //! | `io` | `io` | OBJ and CSV documents that keep every byte that does not change |
 //! | `recipe`, `catalog`, `registry` | `recipe` | TOML and JSON recipes, and what they can name |

@@ -72,6 +72,64 @@ pub enum CurveError {
         /// The range, in words.
         range: &'static str,
     },
+    /// An element of a list outside its range.
+    #[error("{what} {index} is {value}, but must be {range}")]
+    ElementOutOfRange {
+        /// What the list holds.
+        what: &'static str,
+        /// Its place in the list.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// The range, in words.
+        range: &'static str,
+    },
+    /// An index of something that a list does not have.
+    #[error("{what} {index} does not exist: there are {count}, counted from 0")]
+    NoSuchIndex {
+        /// What the list holds.
+        what: &'static str,
+        /// The index.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A name that nothing has.
+    #[error("no {what} is called `{name}`; there are: {known}")]
+    UnknownName {
+        /// What was looked for: `"ease"`, `"parameter of the ease"`, …
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A parameter of the wrong kind.
+    #[error("{name} is {found}, but must be {needed}")]
+    WrongKind {
+        /// The parameter.
+        name: &'static str,
+        /// What it is, in words.
+        found: &'static str,
+        /// What it must be, in words.
+        needed: &'static str,
+    },
+    /// A text that does not say what it should.
+    #[error("`{text}`, character {character}: {problem}")]
+    Text {
+        /// The text.
+        text: String,
+        /// Where in it, counted from 1.
+        character: usize,
+        /// What is wrong and how to mend it.
+        problem: String,
+    },
+    /// Conditions that no motion of the kind meets together.
+    #[error("{problem}")]
+    Unreachable {
+        /// Which conditions, and how to mend them.
+        problem: String,
+    },
     /// Input that a family would not read.
     #[error("a {family} curve does not read {what}: leave it out")]
     NotRead {

@@ -7,7 +7,8 @@
 //! - [`Composed`]: any affine map, taken apart by [`polar`](fn@polar) decomposition about a centre;
 //! - [`Ordered`]: parts given by the user, in the user's order;
 //! - [`Rotational`], [`Turn`]: rotations of the plane and of space by axis and angle;
-//! - [`quaternion`]: unit quaternions, their logarithm, exponential and slerp.
+//! - [`quaternion`]: unit quaternions, and paths through orientations with times: slerp, Bézier, squad, a C² spline, each at
+//!   constant turning speed if wanted.
 //!
 //! ```
 //! use anamorph_core::{glam::dvec2, Affine, Plane, Space, Transformation};

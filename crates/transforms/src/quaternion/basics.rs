@@ -1,7 +1,4 @@
-//! Unit quaternions: axis and angle, matrices, logarithm, exponential, slerp.
-//!
-//! Quaternions are [`DQuat`]. Where one is written as an array it is `[w, x, y, z]`, the scalar first
-//! ([`from_wxyz`], [`to_wxyz`]). `p · q` turns by `q` first.
+//! Conversions, logarithm, exponential and the great arc.
 //!
 //! *Source*: K. Shoemake, *Animating Rotation with Quaternion Curves*, SIGGRAPH 1985; S. W. Shepperd, *Quaternion from
 //! Rotation Matrix*, J. Guidance and Control 1(3), 1978. Errata C8 (opposite quaternions), F8 and F18 (half turns). glam's
@@ -11,11 +8,9 @@ use anamorph_core::glam::{DMat3, DQuat, DVec3};
 use anamorph_core::{Space, math};
 use core::f64::consts::{PI, TAU};
 
+use super::arc::Arc;
 use crate::rotation::first_component_is_positive;
 use crate::{HALF_TURN, Rotational, Turn};
-
-/// Below this length of the difference direction, opposite quaternions have no plane to turn in.
-const OPPOSITE: f64 = 1e-12;
 
 /// The quaternion with the given scalar part and vector part, `[w, x, y, z]`, as it is (not normalized).
 pub fn from_wxyz(wxyz: [f64; 4]) -> DQuat {
@@ -155,21 +150,7 @@ pub fn slerp(a: DQuat, b: DQuat, t: f64) -> DQuat {
     if t == 1.0 {
         return b;
     }
-    let cos = a.dot(b);
-    let across = b - a * cos;
-    let length = across.dot(across).sqrt();
-    let (direction, angle) = if length < OPPOSITE && cos < 0.0 {
-        (a * DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0), PI)
-    } else if length == 0.0 {
-        return a;
-    } else {
-        // Once more perpendicular to `a`: the first time leaves rounding as large as a short `across`.
-        let unit = across / length;
-        let unit = unit - a * a.dot(unit);
-        (unit / unit.dot(unit).sqrt(), math::atan2(length, cos))
-    };
-    let (sin, cos) = math::sin_cos(t * angle);
-    a * cos + direction * sin
+    Arc::between(a, b).at(t)
 }
 
 #[cfg(test)]
