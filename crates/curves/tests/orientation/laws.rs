@@ -4,7 +4,7 @@ use crate::paths::*;
 use anamorph_core::glam::{DQuat, DVec3, dvec3};
 use anamorph_core::{Curve, Differentiable, Solid, Space};
 use anamorph_curves::families::registry::Path;
-use anamorph_curves::families::{Generator, Hermite};
+use anamorph_curves::families::{BSpline, CatmullRom, CubicBezier, Generator, Hermite};
 use anamorph_curves::orientation::registry::{
     MODIFIERS, ORIENTATIONS, Takes, Value, modifier, orientation,
 };
@@ -370,4 +370,83 @@ fn every_kind_of_curve_can_be_a_path() {
         vec![DVec3::Y, DVec3::ZERO, DVec3::Z],
     );
     works(&hermite.curve().unwrap());
+}
+
+#[test]
+fn lattice_curves_are_survived() {
+    // Control points of few places: repeated, collinear, coplanar, going back, in every order.
+    let mut random = crate::common::Random(5);
+    for round in 0..240 {
+        let mut place = || {
+            let p = random.solid() * 3.0;
+            dvec3(p.x.floor(), p.y.floor(), p.z.floor())
+                * if round % 3 == 0 { DVec3::X } else { DVec3::ONE }
+        };
+        let points: Vec<DVec3> = (0..7).map(|_| place()).collect();
+        let closed = round % 2 == 0;
+        let curve = match round % 4 {
+            0 => CatmullRom {
+                closed,
+                ..CatmullRom::new(points)
+            }
+            .curve(),
+            1 => CubicBezier {
+                points,
+                closed: false,
+            }
+            .curve(),
+            2 => CubicBezier {
+                points: points[..6].to_vec(),
+                closed,
+            }
+            .curve(),
+            _ => BSpline {
+                closed,
+                ..BSpline::new(points)
+            }
+            .curve(),
+        };
+        let curve = curve.unwrap();
+        for entry in ORIENTATIONS {
+            let made = entry.make(shared(&curve), &settings(entry.name, &curve));
+            let Ok(frames) = made else {
+                assert!(!(curve.length(1e-9) > 1e-9), "{} round {round}", entry.name);
+                continue;
+            };
+            let list = parameters(&curve);
+            for (u, frame) in list.iter().zip(frames.frames(&list)) {
+                assert_sound(&frame, &format!("{} round {round} at {u}", entry.name));
+            }
+        }
+    }
+}
+
+/// A number with nine decimals; what rounds to zero has no sign.
+fn rounded(value: f64) -> String {
+    let text = format!("{value:.9}");
+    if text == "-0.000000000" {
+        text[1..].to_owned()
+    } else {
+        text
+    }
+}
+
+#[test]
+fn frames_of_a_fixed_path() {
+    let curve = space_curve();
+    let mut lines = Vec::new();
+    for entry in ORIENTATIONS {
+        lines.push(entry.name.to_owned());
+        let frames = entry
+            .make(shared(&curve), &settings(entry.name, &curve))
+            .unwrap();
+        for frame in frames.frames(&even(&curve, 6)) {
+            let numbers =
+                [frame.up(), frame.forward()].map(|axis| axis.to_array().map(rounded).join(" "));
+            lines.push(format!("  {}", numbers.join("  ")));
+        }
+    }
+    insta::with_settings!({ omit_expression => true, prepend_module_to_snapshot => false }, {
+        insta::assert_snapshot!("frames", lines.join("\n"));
+    });
 }

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod banking;
+#[path = "../common/mod.rs"]
+mod common;
 mod frenet;
 mod laws;
 mod looking;
