@@ -9,6 +9,7 @@
 //! - `U`: [`ArcLength`], [`InverseArcLength`], and [`LengthTable`], prepared once and asked often. An accuracy is always a
 //!   length in scene units, and kept.
 //! - `S`: [`eases`] and [`motion`], speed control by keys and its diagnosis.
+//! - [`orientation`]: which way something on the path faces, and which way is up for it.
 //! - [`NearestTable`] finds all places where the distance to a point is least, [`TightBounds`] the smallest box,
 //!   [`Curvature`], [`SignedCurvature`] and [`Torsion`] the bending; [`smoothing`] prepares digitized points.
 //!
@@ -50,6 +51,7 @@ mod error;
 pub mod families;
 pub mod motion;
 mod nearest;
+pub mod orientation;
 mod piecewise;
 mod polynomial;
 pub mod smoothing;
