@@ -39,14 +39,68 @@ struct Velocity {
 struct Zeros([(f64, f64); 2]);
 
 const FAR: f64 = 1e6;
-/// Nodes of the rules. Halves are multiples of four: whole vectors.
+/// Nodes of the rules: whole vectors.
 const RULES: usize = 5;
 const NODES: [u32; RULES] = [8, 16, 24, 32, 40];
-static RULE_8: Rule<4> = Rule::new();
-static RULE_16: Rule<8> = Rule::new();
-static RULE_24: Rule<12> = Rule::new();
-static RULE_32: Rule<16> = Rule::new();
-static RULE_40: Rule<20> = Rule::new();
+static RULE_8: Nodes<1> = Nodes::new(&Rule::<4>::new());
+static RULE_16: Nodes<2> = Nodes::new(&Rule::<8>::new());
+static RULE_24: Nodes<3> = Nodes::new(&Rule::<12>::new());
+static RULE_32: Nodes<4> = Nodes::new(&Rule::<16>::new());
+static RULE_40: Nodes<5> = Nodes::new(&Rule::<20>::new());
+
+/// A rule of `8·V` nodes, in vectors.
+struct Nodes<const V: usize> {
+    nodes: [[f64; LANES]; V],
+    weights: [[f64; LANES]; V],
+}
+
+impl<const V: usize> Nodes<V> {
+    /// Both signs of the nodes of a rule of `4·V` pairs.
+    const fn new<const H: usize>(rule: &Rule<H>) -> Self {
+        let mut all = Self {
+            nodes: [[0.0; LANES]; V],
+            weights: [[0.0; LANES]; V],
+        };
+        let mut i = 0;
+        while i < H {
+            let at = 2 * i;
+            let (row, lane) = (at / LANES, at % LANES);
+            all.nodes[row][lane] = -rule.nodes[i];
+            all.nodes[row][lane + 1] = rule.nodes[i];
+            all.weights[row][lane] = rule.weights[i];
+            all.weights[row][lane + 1] = rule.weights[i];
+            i += 1;
+        }
+        all
+    }
+}
+
+/// The vectors of a processor, or none.
+#[cfg(feature = "simd")]
+pub(crate) use anamorph_core::simd::Simd as Vectors;
+
+/// The vectors of a processor, or none.
+#[cfg(not(feature = "simd"))]
+pub(crate) trait Vectors: Copy {}
+#[cfg(not(feature = "simd"))]
+impl Vectors for () {}
+
+/// Runs an expression with the widest vectors of the processor.
+macro_rules! with_vectors {
+    ($name:ident => $run:expr) => {{
+        #[cfg(feature = "simd")]
+        {
+            let level = anamorph_core::simd::Level::new();
+            anamorph_core::simd::dispatch!(level, $name => $run)
+        }
+        #[cfg(not(feature = "simd"))]
+        {
+            let $name = ();
+            $run
+        }
+    }};
+}
+pub(crate) use with_vectors;
 
 /// What decides, for a demanded number of binary digits.
 #[derive(Clone, Copy)]
@@ -283,36 +337,70 @@ struct Interval {
 /// Intervals of one stretch at most: a cusp in the finest demand needs about 30.
 const MOST: usize = 256;
 
-/// Sums a rule over an interval, by its nodes in pairs about the middle.
+/// Sums a rule over an interval: the same operations in the same order for any width of vectors.
 #[inline(always)]
-fn sum<const H: usize>(
-    rule: &Rule<H>,
+fn sum<T: Vectors, const V: usize>(
+    vectors: T,
+    rule: &Nodes<V>,
     velocity: &Velocity,
     dim: usize,
     middle: f64,
     half: f64,
 ) -> f64 {
-    let (mut above, mut below) = ([0.0; H], [0.0; H]);
-    for [a, b, c] in &velocity.axes[..dim] {
-        let (v, dv) = (a + middle * (b + middle * c), (b + 2.0 * middle * c) * half);
-        let ddv = c * half * half;
-        for i in 0..H {
-            let x = rule.nodes[i];
-            let (even, odd) = (v + ddv * (x * x), dv * x);
-            above[i] += (even + odd) * (even + odd);
-            below[i] += (even - odd) * (even - odd);
+    let mut axes = [[0.0; 3]; 3];
+    for (local, [a, b, c]) in axes.iter_mut().zip(&velocity.axes[..dim]) {
+        *local = [
+            a + middle * (b + middle * c),
+            (b + 2.0 * middle * c) * half,
+            c * half * half,
+        ];
+    }
+    let s = weighted(vectors, rule, &axes[..dim]);
+    ((s[0] + s[4]) + (s[2] + s[6]) + ((s[1] + s[5]) + (s[3] + s[7]))) * half
+}
+
+/// Sums of weighted speeds, lane by lane.
+#[cfg(feature = "simd")]
+#[inline(always)]
+fn weighted<T: Vectors, const V: usize>(
+    vectors: T,
+    rule: &Nodes<V>,
+    axes: &[[f64; 3]],
+) -> [f64; LANES] {
+    use anamorph_core::simd::{f64x8, prelude::*};
+    let mut sums = f64x8::splat(vectors, 0.0);
+    for (nodes, weights) in rule.nodes.iter().zip(&rule.weights) {
+        let (x, w) = (
+            f64x8::simd_from(vectors, *nodes),
+            f64x8::simd_from(vectors, *weights),
+        );
+        let mut square = f64x8::splat(vectors, 0.0);
+        for &[a, b, c] in axes {
+            let v = x * (x * c + b) + a;
+            square += v * v;
+        }
+        sums += w * square.sqrt();
+    }
+    sums.into()
+}
+
+/// Sums of weighted speeds, lane by lane.
+#[cfg(not(feature = "simd"))]
+#[inline(always)]
+fn weighted<T: Vectors, const V: usize>(_: T, rule: &Nodes<V>, axes: &[[f64; 3]]) -> [f64; LANES] {
+    let mut sums = [0.0; LANES];
+    for (nodes, weights) in rule.nodes.iter().zip(&rule.weights) {
+        for (lane, sum) in sums.iter_mut().enumerate() {
+            let x = nodes[lane];
+            let mut square = 0.0;
+            for &[a, b, c] in axes {
+                let v = x * (x * c + b) + a;
+                square += v * v;
+            }
+            *sum += weights[lane] * f64::sqrt(square);
         }
     }
-    for i in 0..H {
-        above[i] = rule.weights[i] * (above[i].sqrt() + below[i].sqrt());
-    }
-    let mut sums = [0.0; 4];
-    for four in above.as_chunks::<4>().0 {
-        for (sum, value) in sums.iter_mut().zip(four) {
-            *sum += value;
-        }
-    }
-    ((sums[0] + sums[1]) + (sums[2] + sums[3])) * half
+    sums
 }
 
 /// Stretches worked on together.
@@ -337,24 +425,20 @@ pub(crate) fn lengths<'a, S: Space>(
     accuracy: f64,
     mut done: impl FnMut(usize, f64, f64, f64),
 ) {
-    #[cfg(feature = "simd")]
-    let level = anamorph_core::simd::Level::new();
     let mut parts = parts.enumerate().peekable();
     let mut plans: Vec<(usize, Stretch, Plan)> = Vec::with_capacity(BLOCK);
     let mut work = Work::default();
+    let mut waiting: Waiting = [(0.0, 0.0); HEIGHT];
     while parts.peek().is_some() {
         plans.clear();
         for (index, (cubic, stretch)) in parts.by_ref().take(BLOCK) {
             plans.push((index, stretch, plan(cubic)));
         }
-        #[cfg(feature = "simd")]
-        anamorph_core::simd::dispatch!(level, _v => find_zeros::<S>(&mut plans));
-        #[cfg(not(feature = "simd"))]
-        find_zeros::<S>(&mut plans);
+        with_vectors!(_vectors => find_zeros::<S>(&mut plans));
         work.clear();
         for (slot, (_, stretch, plan)) in plans.iter().enumerate() {
             let mut cuts = Cuts::new(*stretch, plan, accuracy);
-            while let Some((rule, middle, half)) = cuts.next() {
+            while let Some((rule, middle, half)) = cuts.next(&mut waiting) {
                 let stretch = slot;
                 work.add(
                     rule,
@@ -367,10 +451,7 @@ pub(crate) fn lengths<'a, S: Space>(
             }
         }
         work.values.resize(work.intervals.len(), 0.0);
-        #[cfg(feature = "simd")]
-        anamorph_core::simd::dispatch!(level, _v => sums::<S>(&mut work, &plans, accuracy));
-        #[cfg(not(feature = "simd"))]
-        sums::<S>(&mut work, &plans, accuracy);
+        with_vectors!(vectors => sums::<S, _>(vectors, &mut work, &plans, accuracy));
         for (at, value) in work.intervals.iter().zip(&work.values) {
             let (index, _, plan) = &plans[at.stretch];
             let (from, to) = (at.middle - at.half, at.middle + at.half);
@@ -402,7 +483,12 @@ impl Work {
 
 /// The sums of all intervals. The same operations in the same order for any width of vectors.
 #[inline(always)]
-fn sums<S: Space>(work: &mut Work, plans: &[(usize, Stretch, Plan)], accuracy: f64) {
+fn sums<S: Space, T: Vectors>(
+    vectors: T,
+    work: &mut Work,
+    plans: &[(usize, Stretch, Plan)],
+    accuracy: f64,
+) {
     let Work {
         intervals,
         by_rule,
@@ -410,11 +496,11 @@ fn sums<S: Space>(work: &mut Work, plans: &[(usize, Stretch, Plan)], accuracy: f
     } = work;
     let [first, second, third, fourth, fifth, unknown] = by_rule;
     let (intervals, values) = (&intervals[..], &mut values[..]);
-    apply::<S, 4>(&RULE_8, first, intervals, plans, values);
-    apply::<S, 8>(&RULE_16, second, intervals, plans, values);
-    apply::<S, 12>(&RULE_24, third, intervals, plans, values);
-    apply::<S, 16>(&RULE_32, fourth, intervals, plans, values);
-    apply::<S, 20>(&RULE_40, fifth, intervals, plans, values);
+    apply::<S, _, 1>(vectors, &RULE_8, first, intervals, plans, values);
+    apply::<S, _, 2>(vectors, &RULE_16, second, intervals, plans, values);
+    apply::<S, _, 3>(vectors, &RULE_24, third, intervals, plans, values);
+    apply::<S, _, 4>(vectors, &RULE_32, fourth, intervals, plans, values);
+    apply::<S, _, 5>(vectors, &RULE_40, fifth, intervals, plans, values);
     for &index in unknown.iter() {
         let at = &intervals[index as usize];
         let plan = &plans[at.stretch].2;
@@ -424,8 +510,9 @@ fn sums<S: Space>(work: &mut Work, plans: &[(usize, Stretch, Plan)], accuracy: f
 
 /// The sums of the intervals that need one rule.
 #[inline(always)]
-fn apply<S: Space, const H: usize>(
-    rule: &Rule<H>,
+fn apply<S: Space, T: Vectors, const V: usize>(
+    vectors: T,
+    rule: &Nodes<V>,
     which: &[u32],
     intervals: &[Interval],
     plans: &[(usize, Stretch, Plan)],
@@ -434,13 +521,14 @@ fn apply<S: Space, const H: usize>(
     for &index in which {
         let at = &intervals[index as usize];
         let velocity = &plans[at.stretch].2.velocity;
-        values[index as usize] = sum(rule, velocity, S::DIM, at.middle, at.half);
+        values[index as usize] = sum(vectors, rule, velocity, S::DIM, at.middle, at.half);
     }
 }
 
 /// One cubic, prepared to measure parts of it one after the other.
 pub(crate) struct Ruler<S> {
     plan: Plan,
+    waiting: Waiting,
     space: PhantomData<S>,
 }
 
@@ -457,15 +545,17 @@ impl<S: Space> Ruler<S> {
         }
         Self {
             plan: plans[0].2,
+            waiting: [(0.0, 0.0); HEIGHT],
             space: PhantomData,
         }
     }
 
     /// The intervals of a stretch, from left to right: its ends, and its length.
     #[inline(always)]
-    pub(crate) fn intervals(&self, stretch: Stretch, accuracy: f64) -> Intervals<'_, S> {
+    pub(crate) fn intervals(&mut self, stretch: Stretch, accuracy: f64) -> Intervals<'_, S> {
         Intervals {
             cuts: Cuts::new(stretch, &self.plan, accuracy),
+            waiting: &mut self.waiting,
             accuracy,
             space: PhantomData,
         }
@@ -487,10 +577,16 @@ impl<S: Space> Ruler<S> {
 
     /// The length of a stretch.
     #[inline(always)]
-    pub(crate) fn length(&self, from: f64, to: f64, accuracy: f64) -> f64 {
+    pub(crate) fn length<T: Vectors>(
+        &mut self,
+        vectors: T,
+        from: f64,
+        to: f64,
+        accuracy: f64,
+    ) -> f64 {
         let mut intervals = self.intervals(Stretch { from, to }, accuracy);
         let mut sum = 0.0;
-        while let Some((_, _, length)) = intervals.next() {
+        while let Some((_, _, length)) = intervals.next(vectors) {
             sum += length;
         }
         sum
@@ -500,6 +596,7 @@ impl<S: Space> Ruler<S> {
 /// The intervals of a stretch of one cubic.
 pub(crate) struct Intervals<'a, S> {
     cuts: Cuts<'a>,
+    waiting: &'a mut Waiting,
     accuracy: f64,
     space: PhantomData<S>,
 }
@@ -507,16 +604,16 @@ pub(crate) struct Intervals<'a, S> {
 impl<S: Space> Intervals<'_, S> {
     /// The next interval: from, to, length.
     #[inline(always)]
-    pub(crate) fn next(&mut self) -> Option<(f64, f64, f64)> {
-        let (rule, middle, half) = self.cuts.next()?;
+    pub(crate) fn next<T: Vectors>(&mut self, vectors: T) -> Option<(f64, f64, f64)> {
+        let (rule, middle, half) = self.cuts.next(self.waiting)?;
         let (plan, dim) = (self.cuts.plan, S::DIM);
         let v = &plan.velocity;
         let length = match rule {
-            0 => sum(&RULE_8, v, dim, middle, half),
-            1 => sum(&RULE_16, v, dim, middle, half),
-            2 => sum(&RULE_24, v, dim, middle, half),
-            3 => sum(&RULE_32, v, dim, middle, half),
-            4 => sum(&RULE_40, v, dim, middle, half),
+            0 => sum(vectors, &RULE_8, v, dim, middle, half),
+            1 => sum(vectors, &RULE_16, v, dim, middle, half),
+            2 => sum(vectors, &RULE_24, v, dim, middle, half),
+            3 => sum(vectors, &RULE_32, v, dim, middle, half),
+            4 => sum(vectors, &RULE_40, v, dim, middle, half),
             _ => by_trial(plan, middle, half, self.accuracy),
         };
         Some((middle - half, middle + half, length * plan.scale))
@@ -587,6 +684,9 @@ const MARGIN: i64 = -4;
 /// Intervals that wait at once at most.
 const HEIGHT: usize = 48;
 
+/// Intervals that wait, the next one last.
+type Waiting = [(f64, f64); HEIGHT];
+
 /// The intervals of a stretch with their rules, from left to right. (Methods, not closures: those would not be compiled for
 /// the vectors of their caller.)
 struct Cuts<'a> {
@@ -594,41 +694,52 @@ struct Cuts<'a> {
     demand: &'a Demand,
     /// The square of the height below which a zero is one on the axis: its corner is rounded by less than matters.
     sharp: f64,
-    stack: [(f64, f64); HEIGHT],
-    height: usize,
+    /// The interval to look at.
+    at: (f64, f64),
+    /// How many wait behind it; nothing when all is done.
+    height: Option<usize>,
     count: usize,
 }
 
 impl<'a> Cuts<'a> {
     #[inline(always)]
     fn new(stretch: Stretch, plan: &'a Plan, accuracy: f64) -> Self {
+        let share = accuracy / plan.size;
         // The exponent of size/accuracy, rounded up.
-        let digits = ((plan.size / accuracy).to_bits() >> 52) as i64 - 1022 + MARGIN;
-        let mut stack = [(0.0, 0.0); HEIGHT];
-        stack[0] = (stretch.from, stretch.to);
+        let digits = 1024 - (share.to_bits() >> 52) as i64 + MARGIN;
         Self {
             plan,
             demand: &DEMANDS[digits.clamp(1, DIGITS as i64 - 1) as usize],
-            sharp: 1e-2 * accuracy / plan.size,
-            stack,
-            height: 1,
+            sharp: 1e-2 * share,
+            at: (stretch.from, stretch.to),
+            height: Some(0),
             count: 0,
+        }
+    }
+
+    /// Done with the interval.
+    #[inline(always)]
+    fn advance(&mut self, waiting: &Waiting) {
+        self.count += 1;
+        self.height = self.height.and_then(|height| height.checked_sub(1));
+        if let Some(height) = self.height {
+            self.at = waiting[height];
         }
     }
 
     /// The next interval: rule, middle, half. The rule is a number beyond the table where zeros are not known.
     #[inline(always)]
-    fn next(&mut self) -> Option<(usize, f64, f64)> {
-        while self.height > 0 {
-            self.height -= 1;
-            let (a, b) = self.stack[self.height];
+    fn next(&mut self, waiting: &mut Waiting) -> Option<(usize, f64, f64)> {
+        let mut height = self.height?;
+        loop {
+            let (a, b) = self.at;
             let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
             let square = half * half;
-            if self.plan.size == 0.0 || half.is_nan() || half <= 0.0 {
-                return Some((0, middle, half));
-            }
-            if !self.plan.known {
-                return Some((RULES, middle, half));
+            if self.plan.size == 0.0 || half.is_nan() || half <= 0.0 || !self.plan.known {
+                let unknown = !self.plan.known && self.plan.size != 0.0 && half > 0.0;
+                self.height = Some(height);
+                self.advance(waiting);
+                return Some((if unknown { RULES } else { 0 }, middle, half));
             }
             let zeros = &self.plan.zeros.0;
             let (first, second) = (
@@ -643,19 +754,19 @@ impl<'a> Cuts<'a> {
             };
             // Also where numbers are too coarse to cut, or cuts too many, the largest rule must do.
             let inside = at > a && at < b;
-            if !inside || self.height + 2 > HEIGHT || self.count >= MOST {
+            if !inside || height >= HEIGHT || self.count >= MOST {
                 let mut rule = 0;
                 for limit in &self.demand.smaller {
                     rule += usize::from(nearest < limit * square);
                 }
-                self.count += 1;
+                self.height = Some(height);
+                self.advance(waiting);
                 return Some((rule, middle, half));
             }
-            self.stack[self.height] = (at, b);
-            self.stack[self.height + 1] = (a, at);
-            self.height += 2;
+            waiting[height] = (at, b);
+            self.at = (a, at);
+            height += 1;
         }
-        None
     }
 
     /// How far a zero is from an interval: at least `square` where it lies outside the largest rule's ellipse.

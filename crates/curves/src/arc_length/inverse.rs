@@ -5,7 +5,7 @@
 //! *length* is within the accuracy. Each step adds the length between the last parameter and the next, so that intervals and
 //! with them the work shrink. Many questions are better asked of a [`LengthTable`](super::LengthTable).
 
-use super::cubic::{self, Ruler, WHOLE};
+use super::cubic::{self, Ruler, Vectors, WHOLE, with_vectors};
 use super::table::{polynomial, quintic};
 use super::{ArcLength, sensible};
 use crate::{Cubic, PiecewiseCubic};
@@ -26,7 +26,7 @@ trait Walk {
     /// Speed, and its derivative by the parameter.
     fn motion(&self, u: f64) -> (f64, f64);
     /// The length between two parameters, the first not greater.
-    fn between(&self, a: f64, b: f64) -> f64;
+    fn between(&mut self, a: f64, b: f64) -> f64;
 }
 
 /// Finds where, between `low` and `high` (parameters with the lengths there), the length is `target`. With the change of speed
@@ -37,7 +37,7 @@ fn newton(
     mut low: (f64, f64),
     mut high: (f64, f64),
     accuracy: f64,
-    walk: &impl Walk,
+    walk: &mut impl Walk,
 ) -> f64 {
     let width = high.1 - low.1;
     if width <= 0.0 {
@@ -90,48 +90,50 @@ fn newton(
 
 /// The local parameter of a cubic at the length `s`, with the widest vectors of the processor.
 fn in_cubic<S: Space>(cubic: &Cubic<S>, s: f64, accuracy: f64, before: f64) -> f64 {
-    #[cfg(feature = "simd")]
-    {
-        let level = anamorph_core::simd::Level::new();
-        anamorph_core::simd::dispatch!(level, _v => search_in(cubic, s, accuracy, before))
-    }
-    #[cfg(not(feature = "simd"))]
-    search_in(cubic, s, accuracy, before)
+    with_vectors!(vectors => search_in(vectors, cubic, s, accuracy, before))
 }
 
 /// The local parameter of a cubic at the length `s`, where `before` is the length at its start; 1 where it is shorter.
 #[inline(always)]
-fn search_in<S: Space>(cubic: &Cubic<S>, s: f64, accuracy: f64, mut before: f64) -> f64 {
-    let ruler = Ruler::new(cubic);
+fn search_in<S: Space, T: Vectors>(
+    vectors: T,
+    cubic: &Cubic<S>,
+    s: f64,
+    accuracy: f64,
+    mut before: f64,
+) -> f64 {
+    let mut ruler = Ruler::new(cubic);
     // A quarter of the accuracy for the length so far, half for the search.
     let mut intervals = ruler.intervals(WHOLE, 0.25 * accuracy);
-    while let Some((from, to, length)) = intervals.next() {
+    while let Some((from, to, length)) = intervals.next(vectors) {
         if before + length >= s {
             let (low, high) = ((from, before), (to, before + length));
-            let walk = AlongCubic {
-                ruler: &ruler,
+            let mut walk = AlongCubic {
+                ruler: &mut ruler,
+                vectors,
                 accuracy: 0.05 * accuracy,
             };
-            return newton(s, low, high, 0.5 * accuracy, &walk);
+            return newton(s, low, high, 0.5 * accuracy, &mut walk);
         }
         before += length;
     }
     1.0
 }
 
-struct AlongCubic<'a, S> {
-    ruler: &'a Ruler<S>,
+struct AlongCubic<'a, S, T> {
+    vectors: T,
+    ruler: &'a mut Ruler<S>,
     accuracy: f64,
 }
 
-impl<S: Space> Walk for AlongCubic<'_, S> {
+impl<S: Space, T: Vectors> Walk for AlongCubic<'_, S, T> {
     #[inline(always)]
     fn motion(&self, u: f64) -> (f64, f64) {
         self.ruler.motion(u)
     }
     #[inline(always)]
-    fn between(&self, a: f64, b: f64) -> f64 {
-        self.ruler.length(a, b, self.accuracy)
+    fn between(&mut self, a: f64, b: f64) -> f64 {
+        self.ruler.length(self.vectors, a, b, self.accuracy)
     }
 }
 
@@ -225,7 +227,7 @@ fn search<S: Space, C: ArcLength<S>>(curve: &C, s: f64, accuracy: f64) -> f64 {
         return end;
     }
     let accuracy = sensible(accuracy, sum);
-    let walk = Along {
+    let mut walk = Along {
         curve,
         accuracy: 0.05 * accuracy,
         space: core::marker::PhantomData,
@@ -234,7 +236,7 @@ fn search<S: Space, C: ArcLength<S>>(curve: &C, s: f64, accuracy: f64) -> f64 {
         (breaks[index - 1], lengths[index - 1]),
         (breaks[index], lengths[index]),
     );
-    newton(s, low, high, 0.5 * accuracy, &walk)
+    newton(s, low, high, 0.5 * accuracy, &mut walk)
 }
 
 struct Along<'a, S, C> {
@@ -249,7 +251,7 @@ impl<S: Space, C: ArcLength<S>> Walk for Along<'_, S, C> {
         let along = jet.first.normalized().unwrap_or(S::ZERO);
         (jet.first.length(), along.dot(jet.second))
     }
-    fn between(&self, a: f64, b: f64) -> f64 {
+    fn between(&mut self, a: f64, b: f64) -> f64 {
         self.curve.length_between(a, b, self.accuracy)
     }
 }

@@ -85,7 +85,7 @@ impl<S: Space> ArcLength<S> for PiecewiseCubic<S> {
         let each = sensible(accuracy, size) / (last - first + 1) as f64;
         if first == last {
             let ((_, a, _), (_, b, _)) = (self.locate(from), self.locate(to));
-            return sign * Ruler::new(&self.pieces()[first]).length(a, b, each);
+            return sign * measured(&self.pieces()[first], Stretch { from: a, to: b }, each);
         }
         let parts = self
             .stretches(from, to)
@@ -94,6 +94,15 @@ impl<S: Space> ArcLength<S> for PiecewiseCubic<S> {
         cubic::lengths(parts, each, |_, _, _, length| sum += length);
         sign * sum
     }
+}
+
+/// The length of a stretch of a cubic.
+fn measured<S: Space>(
+    cubic: &crate::Cubic<S>,
+    Stretch { from, to }: Stretch,
+    accuracy: f64,
+) -> f64 {
+    cubic::with_vectors!(vectors => Ruler::new(cubic).length(vectors, from, to, accuracy))
 }
 
 /// The length of a curve without a faster way, from its velocity.
@@ -138,7 +147,7 @@ impl<S: Space> ArcLength<S> for Bezier<S> {
         };
         let cubic = self.cubic();
         let size = cubic.0[1].length() + cubic.0[2].length() + cubic.0[3].length();
-        sign * Ruler::new(&cubic).length(from, to, sensible(accuracy, size))
+        sign * measured(&cubic, Stretch { from, to }, sensible(accuracy, size))
     }
 }
 
