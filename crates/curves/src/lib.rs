@@ -12,6 +12,7 @@ mod error;
 pub mod families;
 pub mod motion;
 mod nearest;
+pub mod orientation;
 mod piecewise;
 mod polynomial;
 pub mod smoothing;
