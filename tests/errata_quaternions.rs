@@ -181,7 +181,7 @@ fn c15_squad_does_not_flip() {
     let mut q = orientation(&mut random);
     let keys: Vec<DQuat> = (0..4)
         .map(|_| {
-            q = q * exp(random.vector::<DVec3>() * 0.5);
+            q *= exp(random.vector::<DVec3>() * 0.5);
             q
         })
         .collect();

@@ -5,7 +5,8 @@
 //! *length* is within the accuracy. Each step adds the length between the last parameter and the next, so that intervals and
 //! with them the work shrink. Many questions are better asked of a [`LengthTable`](super::LengthTable).
 
-use super::cubic::{self, Stretch};
+use super::cubic::{self, Ruler, WHOLE};
+use super::table::{polynomial, quintic};
 use super::{ArcLength, sensible};
 use crate::{Cubic, PiecewiseCubic};
 use anamorph_core::{Curve, Space};
@@ -20,37 +21,47 @@ pub trait InverseArcLength<S: Space>: ArcLength<S> {
     fn parameter_at(&self, s: f64, accuracy: f64) -> f64;
 }
 
-/// Finds where, between `from` (length `s_from` there) and `to` (`s_to`), the length is `s`.
+/// What the search asks of a curve.
+trait Walk {
+    /// Speed, and its derivative by the parameter.
+    fn motion(&self, u: f64) -> (f64, f64);
+    /// The length between two parameters, the first not greater.
+    fn between(&self, a: f64, b: f64) -> f64;
+}
+
+/// Finds where, between `low` and `high` (parameters with the lengths there), the length is `target`. With the change of speed
+/// a step's error falls with the third power (Halley's method).
+#[inline(always)]
 fn newton(
     target: f64,
     mut low: (f64, f64),
     mut high: (f64, f64),
     accuracy: f64,
-    speed: impl Fn(f64) -> f64,
-    mut between: impl FnMut(f64, f64) -> f64,
+    walk: &impl Walk,
 ) -> f64 {
     let width = high.1 - low.1;
     if width <= 0.0 {
         return low.0;
     }
-    // The cubic from speed to speed at the ends, at the wanted share: exact for curves of even speed.
+    // The quintic with the curve's speed and change of speed at both ends, as in tables; where the curve stops, a line.
     let x = ((target - low.1) / width).clamp(0.0, 1.0);
     let du = high.0 - low.0;
-    let slope = |u: f64| {
-        let slope = width / (speed(u) * du);
-        // Beyond three the cubic would turn back.
-        if slope < 3.0 { slope } else { 3.0 }
+    let end = |(speed, change): (f64, f64)| {
+        let slope = 1.0 / speed;
+        let bend = -change * slope * slope * slope;
+        (slope * width / du, bend * width * width / du)
     };
-    let (a, b) = (slope(low.0), slope(high.0));
-    let share = x * (a + x * (3.0 - 2.0 * a - b + x * (a + b - 2.0)));
-    let mut u = low.0 + du * share.clamp(0.0, 1.0);
+    let (a, b) = (end(walk.motion(low.0)), end(walk.motion(high.0)));
+    let share = polynomial(&quintic(a.0, a.1, b.0, b.1), x);
+    let share = if share > 0.0 && share < 1.0 { share } else { x };
+    let mut u = low.0 + du * share;
     let mut known = if x < 0.5 { low } else { high };
     for _ in 0..STEPS {
         let s = known.1
             + if u >= known.0 {
-                between(known.0, u)
+                walk.between(known.0, u)
             } else {
-                -between(u, known.0)
+                -walk.between(u, known.0)
             };
         let miss = s - target;
         if miss.abs() <= accuracy {
@@ -62,7 +73,9 @@ fn newton(
             high = (u, s);
         }
         known = (u, s);
-        let next = u - miss / speed(u);
+        let (speed, change) = walk.motion(u);
+        let step = miss / speed;
+        let next = u - step / (1.0 - 0.5 * step * change / speed);
         u = if next > low.0 && next < high.0 {
             next
         } else {
@@ -75,39 +88,51 @@ fn newton(
     u
 }
 
-/// The local parameter of a cubic at length `s` from `x = 0`, for a length inside it; `found` holds its intervals with the
-/// lengths up to their starts.
-fn in_cubic<S: Space>(cubic: &Cubic<S>, s: f64, accuracy: f64, mut before: f64) -> f64 {
-    let whole = Stretch { from: 0.0, to: 1.0 };
-    // Half of the accuracy for the length so far, half for the search.
-    let mut at: Option<(f64, f64, f64, f64)> = None;
-    let mut last = 1.0;
-    let parts = core::iter::once((cubic, whole));
-    cubic::lengths(parts, 0.25 * accuracy, |_, from, to, length| {
-        if at.is_none() {
-            if before + length >= s {
-                at = Some((from, before, to, before + length));
-            }
-            before += length;
-            last = to;
+/// The local parameter of a cubic at the length `s`, with the widest vectors of the processor.
+fn in_cubic<S: Space>(cubic: &Cubic<S>, s: f64, accuracy: f64, before: f64) -> f64 {
+    #[cfg(feature = "simd")]
+    {
+        let level = anamorph_core::simd::Level::new();
+        anamorph_core::simd::dispatch!(level, _v => search_in(cubic, s, accuracy, before))
+    }
+    #[cfg(not(feature = "simd"))]
+    search_in(cubic, s, accuracy, before)
+}
+
+/// The local parameter of a cubic at the length `s`, where `before` is the length at its start; 1 where it is shorter.
+#[inline(always)]
+fn search_in<S: Space>(cubic: &Cubic<S>, s: f64, accuracy: f64, mut before: f64) -> f64 {
+    let ruler = Ruler::new(cubic);
+    // A quarter of the accuracy for the length so far, half for the search.
+    let mut intervals = ruler.intervals(WHOLE, 0.25 * accuracy);
+    while let Some((from, to, length)) = intervals.next() {
+        if before + length >= s {
+            let (low, high) = ((from, before), (to, before + length));
+            let walk = AlongCubic {
+                ruler: &ruler,
+                accuracy: 0.05 * accuracy,
+            };
+            return newton(s, low, high, 0.5 * accuracy, &walk);
         }
-    });
-    let Some((from, s_from, to, s_to)) = at else {
-        return last;
-    };
-    newton(
-        s,
-        (from, s_from),
-        (to, s_to),
-        0.5 * accuracy,
-        |x| cubic.velocity(x).length(),
-        |a, b| {
-            let part = core::iter::once((cubic, Stretch { from: a, to: b }));
-            let mut sum = 0.0;
-            cubic::lengths(part, 0.05 * accuracy, |_, _, _, length| sum += length);
-            sum
-        },
-    )
+        before += length;
+    }
+    1.0
+}
+
+struct AlongCubic<'a, S> {
+    ruler: &'a Ruler<S>,
+    accuracy: f64,
+}
+
+impl<S: Space> Walk for AlongCubic<'_, S> {
+    #[inline(always)]
+    fn motion(&self, u: f64) -> (f64, f64) {
+        self.ruler.motion(u)
+    }
+    #[inline(always)]
+    fn between(&self, a: f64, b: f64) -> f64 {
+        self.ruler.length(a, b, self.accuracy)
+    }
 }
 
 impl<S: Space> InverseArcLength<S> for PiecewiseCubic<S> {
@@ -116,9 +141,8 @@ impl<S: Space> InverseArcLength<S> for PiecewiseCubic<S> {
         let count = self.pieces().len();
         let mut ends = Vec::with_capacity(count);
         let mut sum = 0.0;
-        let whole = Stretch { from: 0.0, to: 1.0 };
         if count > 1 || self.is_closed() {
-            let parts = self.pieces().iter().map(|c| (c, whole));
+            let parts = self.pieces().iter().map(|c| (c, WHOLE));
             let each = 0.25 * accuracy / count as f64;
             let mut piece = 0;
             cubic::lengths(parts, each, |index, _, _, length| {
@@ -201,12 +225,31 @@ fn search<S: Space, C: ArcLength<S>>(curve: &C, s: f64, accuracy: f64) -> f64 {
         return end;
     }
     let accuracy = sensible(accuracy, sum);
-    newton(
-        s,
+    let walk = Along {
+        curve,
+        accuracy: 0.05 * accuracy,
+        space: core::marker::PhantomData,
+    };
+    let (low, high) = (
         (breaks[index - 1], lengths[index - 1]),
         (breaks[index], lengths[index]),
-        0.5 * accuracy,
-        |u| curve.velocity(u).length(),
-        |a, b| curve.length_between(a, b, 0.05 * accuracy),
-    )
+    );
+    newton(s, low, high, 0.5 * accuracy, &walk)
+}
+
+struct Along<'a, S, C> {
+    curve: &'a C,
+    accuracy: f64,
+    space: core::marker::PhantomData<S>,
+}
+
+impl<S: Space, C: ArcLength<S>> Walk for Along<'_, S, C> {
+    fn motion(&self, u: f64) -> (f64, f64) {
+        let jet = self.curve.jet(u);
+        let along = jet.first.normalized().unwrap_or(S::ZERO);
+        (jet.first.length(), along.dot(jet.second))
+    }
+    fn between(&self, a: f64, b: f64) -> f64 {
+        self.curve.length_between(a, b, self.accuracy)
+    }
 }

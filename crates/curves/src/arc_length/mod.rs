@@ -18,7 +18,7 @@ pub use table::LengthTable;
 use crate::families::Lagrange;
 use crate::{Bezier, PiecewiseBezier, PiecewiseCubic};
 use anamorph_core::{Curve, Differentiable, Space};
-use cubic::Stretch;
+use cubic::{Ruler, Stretch, WHOLE};
 
 /// A curve whose length is known to any accuracy.
 pub trait ArcLength<S: Space>: Differentiable<S> {
@@ -83,6 +83,10 @@ impl<S: Space> ArcLength<S> for PiecewiseCubic<S> {
             .map(|c| c.0[1].length() + c.0[2].length() + c.0[3].length())
             .sum();
         let each = sensible(accuracy, size) / (last - first + 1) as f64;
+        if first == last {
+            let ((_, a, _), (_, b, _)) = (self.locate(from), self.locate(to));
+            return sign * Ruler::new(&self.pieces()[first]).length(a, b, each);
+        }
         let parts = self
             .stretches(from, to)
             .map(|(i, s)| (&self.pieces()[i], s));
@@ -134,12 +138,7 @@ impl<S: Space> ArcLength<S> for Bezier<S> {
         };
         let cubic = self.cubic();
         let size = cubic.0[1].length() + cubic.0[2].length() + cubic.0[3].length();
-        let part = core::iter::once((&cubic, Stretch { from, to }));
-        let mut sum = 0.0;
-        cubic::lengths(part, sensible(accuracy, size), |_, _, _, length| {
-            sum += length;
-        });
-        sign * sum
+        sign * Ruler::new(&cubic).length(from, to, sensible(accuracy, size))
     }
 }
 
@@ -164,9 +163,8 @@ pub fn cubic_lengths<S: Space>(curves: &[[S; 4]], accuracy: f64, out: &mut Vec<f
         .collect();
     out.clear();
     out.resize(curves.len(), 0.0);
-    let whole = Stretch { from: 0.0, to: 1.0 };
     cubic::lengths(
-        cubics.iter().map(|c| (c, whole)),
+        cubics.iter().map(|c| (c, WHOLE)),
         accuracy,
         |i, _, _, length| out[i] += length,
     );

@@ -30,13 +30,14 @@ struct Interval {
 }
 
 /// The value at `x` of a polynomial without constant term.
-#[inline]
-fn polynomial([a, b, c, d, e]: &[f64; 5], x: f64) -> f64 {
+#[inline(always)]
+pub(super) fn polynomial([a, b, c, d, e]: &[f64; 5], x: f64) -> f64 {
     x * (a + x * (b + x * (c + x * (d + x * e))))
 }
 
 /// The polynomial of degree 5 from 0 to 1 with first and second derivatives `v`, `a` at its ends.
-fn quintic(v0: f64, a0: f64, v1: f64, a1: f64) -> [f64; 5] {
+#[inline(always)]
+pub(super) fn quintic(v0: f64, a0: f64, v1: f64, a1: f64) -> [f64; 5] {
     let rest = 1.0 - v0 - 0.5 * a0;
     let slope = v1 - v0 - a0;
     let bend = a1 - a0;

@@ -242,13 +242,3 @@ impl<O: Orienter, P: SpaceCurve> Orienter for Banked<O, P> {
             .stream(&mut noted, &mut |frame| each(self.leaned(&frame, at.get())));
     }
 }
-
-impl<O: Orienter + ?Sized> Orienter for Box<O> {
-    fn frame(&self, parameter: f64) -> Frame {
-        (**self).frame(parameter)
-    }
-
-    fn stream(&self, parameters: &mut dyn Iterator<Item = f64>, each: &mut dyn FnMut(Frame)) {
-        (**self).stream(parameters, each);
-    }
-}

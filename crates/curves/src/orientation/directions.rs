@@ -12,10 +12,17 @@ use anamorph_core::{Differentiable, Jet, Solid, Space};
 
 /// A velocity below this share of what its span's derivatives amount to is rounding: a stop.
 const STOP: f64 = 1e-12;
-/// The same for the second derivative, at a stop.
+/// The same as a share of the coordinates, from differences of which some curves make their derivatives.
+const ROUNDING: f64 = 1e-14;
+/// At a stop, the share of all derivatives that the second must have to decide, and below which the third does. Between them
+/// the stop may be a very flat one, and velocities nearby decide.
+const BENT: f64 = 1e-3;
 const STEADY: f64 = 1e-8;
-/// A span that moves less than this share of the one that moves most does not move.
+/// The share of what a span's derivatives amount to at most that any must have to decide.
+const CERTAIN: f64 = 1e-9;
+/// A span that moves less than this share of the one that moves most, or of its coordinates, does not move.
 const RESTING: f64 = 1e-14;
+const PUT: f64 = 1e-13;
 /// How far inside a span its derivatives are taken to carry them to its end, as a share of it. For cubics that is exact.
 const INSIDE: f64 = 1e-6;
 
@@ -35,6 +42,8 @@ pub(super) struct Directions {
     /// For each span, the direction at its start and at its end, from inside.
     ends: Vec<(Solid, Solid)>,
     moves: Vec<bool>,
+    /// For each span, the most that its derivatives amount to.
+    reaches: Vec<f64>,
     closed: bool,
     /// A length of the size of the curve.
     size: f64,
@@ -48,19 +57,23 @@ fn sizes(jet: &Jet<Solid>, width: f64) -> (f64, f64, f64, f64) {
     (a, b, c, a + b + c)
 }
 
-/// Directions behind and ahead of a place with these derivatives; `None` where they all vanish.
-fn of_jet(jet: &Jet<Solid>, width: f64) -> Option<(Solid, Solid)> {
+/// Directions behind and ahead of a place with these derivatives, in a span whose derivatives amount to `reach`; `None` where
+/// they do not tell.
+fn of_jet(jet: &Jet<Solid>, width: f64, reach: f64) -> Option<(Solid, Solid)> {
     let (a, b, _, all) = sizes(jet, width);
-    if a > STOP * all {
+    if a > STOP * all && a > ROUNDING * jet.point.largest() {
         let along = Space::normalized(jet.first)?;
         return Some((along, along));
     }
-    if b > STEADY * all {
+    if b > BENT * all && b > CERTAIN * reach {
         let along = Space::normalized(jet.second)?;
         return Some((-along, along));
     }
-    let along = Space::normalized(jet.third)?;
-    Some((along, along))
+    if b <= STEADY * all && all > CERTAIN * reach {
+        let along = Space::normalized(jet.third)?;
+        return Some((along, along));
+    }
+    None
 }
 
 /// The jet at the end of the span from `start` to `end`, as seen from inside it.
@@ -91,13 +104,19 @@ impl Directions {
             all.into_iter().fold(0.0, f64::max)
         };
         let reaches: Vec<f64> = breaks.windows(2).map(reach).collect();
+        let puts = breaks.iter().map(|b| PUT * curve.point(*b).largest());
         let size = reaches.iter().copied().fold(0.0, f64::max);
         if !(size > 0.0 && size.is_finite()) {
             return Err(CurveError::NoLength);
         }
         let mut found = Self {
             ends: vec![(Solid::ZERO, Solid::ZERO); spans],
-            moves: reaches.iter().map(|r| *r > RESTING * size).collect(),
+            moves: reaches
+                .iter()
+                .zip(puts)
+                .map(|(reach, put)| *reach > RESTING * size && *reach > put)
+                .collect(),
+            reaches,
             breaks,
             closed: curve.is_closed(),
             size,
@@ -133,7 +152,7 @@ impl Directions {
     fn start_of<C: Differentiable<Solid> + ?Sized>(&self, curve: &C, span: usize) -> Option<Solid> {
         let (a, b) = self.span(span);
         let jet = curve.jet(a);
-        of_jet(&jet, b - a)
+        of_jet(&jet, b - a, self.reaches[span])
             .map(|(_, ahead)| ahead)
             .or_else(|| self.probe(curve, span, a).map(|(_, ahead)| ahead))
     }
@@ -141,12 +160,12 @@ impl Directions {
     fn end_of<C: Differentiable<Solid> + ?Sized>(&self, curve: &C, span: usize) -> Option<Solid> {
         let (a, b) = self.span(span);
         let jet = jet_at_end(curve, a, b);
-        of_jet(&jet, b - a)
+        of_jet(&jet, b - a, self.reaches[span])
             .map(|(behind, _)| behind)
             .or_else(|| self.probe(curve, span, b).map(|(behind, _)| behind))
     }
 
-    /// Where three derivatives vanish: the velocities a little behind and ahead.
+    /// Where derivatives do not tell: the velocities a little behind and ahead.
     fn probe<C: Differentiable<Solid> + ?Sized>(
         &self,
         curve: &C,
@@ -161,7 +180,7 @@ impl Directions {
                     return None;
                 }
                 let velocity = curve.velocity(at);
-                let enough = Space::length(velocity) * (b - a) > 1e-30 * self.size;
+                let enough = Space::length(velocity) * (b - a) > CERTAIN * self.reaches[span];
                 Space::normalized(velocity).filter(|_| enough)
             })
         };
@@ -224,9 +243,9 @@ impl Directions {
             return place(curve.point(u), self.ends[i]);
         }
         let jet = curve.jet(u);
-        let directions = of_jet(&jet, b - a)
+        let directions = of_jet(&jet, b - a, self.reaches[i])
             .or_else(|| self.probe(curve, i, u))
-            .unwrap_or(self.ends[i]);
+            .unwrap_or((self.ends[i].0, self.ends[i].0));
         place(jet.point, directions)
     }
 }

@@ -323,3 +323,44 @@ impl<P: SpaceCurve> Orienter for RotationMinimizingFrames<P> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::families::{CubicBezier, Generator};
+    use anamorph_core::glam::dvec3;
+
+    /// The method itself, without halving: halving all steps divides the error of the twist by 16.
+    #[test]
+    fn double_reflection_is_of_order_four() {
+        let points = vec![
+            dvec3(0.0, 0.0, 0.0),
+            dvec3(2.0, 2.0, 0.3),
+            dvec3(1.0, -2.0, 1.0),
+            dvec3(3.0, 0.0, 0.5),
+        ];
+        let bezier = CubicBezier {
+            points,
+            closed: false,
+        };
+        let curve = bezier.curve().unwrap();
+        let directions = Directions::new(&curve).unwrap();
+        let last = |count: u32| {
+            let place = |i: u32| directions.place(&curve, f64::from(i) / f64::from(count));
+            let mut from = place(0);
+            let mut frame = Frame::level(from.ahead, DVec3::Z);
+            for i in 1..=count {
+                let to = place(i);
+                frame = step(&frame, from.point, &to);
+                from = to;
+            }
+            frame
+        };
+        let exact = last(1 << 13);
+        let errors = [64, 128, 256, 512].map(|n| last(n).twist_to(&exact).abs());
+        for pair in errors.windows(2) {
+            let ratio = pair[0] / pair[1];
+            assert!((14.0..18.0).contains(&ratio), "{ratio}: {errors:?}");
+        }
+    }
+}

@@ -88,3 +88,22 @@ pub trait Orienter: Send + Sync {
         out
     }
 }
+
+macro_rules! handles {
+    ($($handle:ty),*) => {$(
+        impl<O: Orienter + ?Sized> Orienter for $handle {
+            fn frame(&self, parameter: f64) -> Frame {
+                (**self).frame(parameter)
+            }
+
+            fn stream(
+                &self,
+                parameters: &mut dyn Iterator<Item = f64>,
+                each: &mut dyn FnMut(Frame),
+            ) {
+                (**self).stream(parameters, each);
+            }
+        }
+    )*};
+}
+handles!(&O, Box<O>, std::sync::Arc<O>);

@@ -75,7 +75,7 @@ impl<P: SpaceCurve> Orienter for FixedUp<P> {
 /// Along the path, the up axis of each sample made from that of the sample before it: `u = v_old × w`, `v = w × u`.
 ///
 /// Frames depend on which samples are asked for, and in which order; for ever finer ones they become rotation-minimizing, with an
-/// error of the second order. A sample whose direction is parallel to the up axis of the last keeps the last frame, direction
+/// error of the first order. A sample whose direction is parallel to the up axis of the last keeps the last frame, direction
 /// included. [`Orienter::frame`] is the frame of a first sample.
 #[derive(Clone, Debug)]
 pub struct UpdatedUp<P> {
