@@ -105,7 +105,7 @@ pub(crate) struct MotionOptions {
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// Frames a second
-    #[arg(long, value_name = "N", default_value = "24", value_parser = parse_rate)]
+    #[arg(long, value_name = "N", default_value = "24", value_parser = parse_rate, allow_hyphen_values = true)]
     pub fps: f64,
     /// Seconds the motion lasts, instead of those of the recipe
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]

@@ -102,6 +102,30 @@ pub(crate) fn warnings(built: &BuiltMotion) -> Vec<String> {
     changes.chain(findings).collect()
 }
 
+/// A motion for reports.
+pub(crate) fn described(built: &BuiltMotion) -> Value {
+    let findings = built.findings.iter();
+    let changes = built.changes.iter().map(ToString::to_string);
+    json!({
+        "duration": built.motion.duration(),
+        "path": {
+            "family": built.family,
+            "length": built.motion.table().length(),
+            "closed": built.motion.path().is_closed(),
+            "plane": built.plane,
+        },
+        "orientation": built.orientation,
+        "subject": match built.subject {
+            Subject::Object => "object",
+            Subject::Camera => "camera",
+        },
+        "changes": changes.collect::<Vec<_>>(),
+        "findings": findings
+            .map(|f| json!({ "time": f.time(), "text": f.to_string() }))
+            .collect::<Vec<_>>(),
+    })
+}
+
 fn write(
     options: &MotionOptions,
     kind: Kind,
@@ -116,26 +140,11 @@ fn write(
         .as_ref()
         .map(|path| Pending::create(path, options.force))
         .transpose()?;
-    let mut about = json!({
-        "recipe": name,
-        "output": files::shown(&options.output),
-        "duration": built.motion.duration(),
-        "frames": count,
-        "fps": options.fps,
-        "path": {
-            "family": built.family,
-            "length": built.motion.table().length(),
-            "closed": built.motion.path().is_closed(),
-            "plane": built.plane,
-        },
-        "orientation": built.orientation,
-        "subject": match built.subject {
-            Subject::Object => "object",
-            Subject::Camera => "camera",
-        },
-        "changes": built.changes.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        "findings": built.findings.iter().map(|f| json!({ "time": f.time(), "text": f.to_string() })).collect::<Vec<_>>(),
-    });
+    let mut about = described(built);
+    about["recipe"] = json!(name);
+    about["output"] = json!(files::shown_output(&options.output));
+    about["frames"] = json!(count);
+    about["fps"] = json!(options.fps);
     let mut done = format!("{count} frames");
     match kind {
         Kind::Table => {

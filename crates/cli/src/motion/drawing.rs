@@ -56,6 +56,8 @@ impl Palette {
 const TICKS: u32 = 24;
 /// Frames that are drawn at these steps: every second tick.
 const EACH: u32 = 2;
+/// Points of the recipe that are drawn; more would hide the path.
+const MOST_POINTS: usize = 64;
 /// Straight pieces of the path, and of the plots.
 const PIECES: u32 = 720;
 
@@ -195,6 +197,10 @@ fn draw_path(figure: &mut Figure, built: &BuiltMotion, frame: Frame, unit: f64, 
         let at = motion.position(*time);
         all.extend([Solid::X, Solid::Y, Solid::Z].map(|axis| view.at(at + *q * axis * arm)));
     }
+    let shown = built.points.len() <= MOST_POINTS;
+    if shown {
+        all.extend(built.points.iter().map(|p| view.at(*p)));
+    }
     let low = all
         .iter()
         .fold([f64::INFINITY; 2], |m, p| [m[0].min(p[0]), m[1].min(p[1])]);
@@ -228,7 +234,7 @@ fn draw_path(figure: &mut Figure, built: &BuiltMotion, frame: Frame, unit: f64, 
             figure.line(&[place(at), place(down(at))], palette.grid, unit);
         }
     }
-    if built.points.len() <= 64 {
+    if shown {
         let polygon: Vec<[f64; 2]> = built.points.iter().map(|p| place(*p)).collect();
         figure.line(&polygon, palette.faint.fading(0.35), unit);
         for at in polygon {
@@ -309,7 +315,10 @@ fn heading(figure: &mut Figure, built: &BuiltMotion, frame: Frame, unit: f64, pa
             palette.faint,
             word,
         );
-        at += 120.0 * unit;
+        #[allow(clippy::cast_precision_loss)]
+        {
+            at += (70.0 + 11.0 * word.len() as f64) * unit;
+        }
     }
 }
 

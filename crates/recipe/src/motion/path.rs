@@ -153,7 +153,7 @@ fn smoothed(
     table.word("ends", &["pinned", "free"])?;
     let smoothing = Smoothing {
         closed,
-        iterations: table.count("times", MOST_ITERATIONS)?.unwrap_or(1) as u32,
+        iterations: table.count("repeat", MOST_ITERATIONS)?.unwrap_or(1) as u32,
         pinned: &pinned,
         pin_ends: !free,
     };

@@ -101,7 +101,7 @@ fn smoothings() -> Value {
     let all = SMOOTHINGS.iter().map(|entry| {
         let mut keys = map([
             ("kind", json!({ "const": entry.name })),
-            ("times", json!({
+            ("repeat", json!({
                 "description": "how often, each time what the time before made",
                 "type": "integer", "minimum": 0, "maximum": MOST_ITERATIONS, "default": 1,
             })),
