@@ -101,7 +101,7 @@ const COLOURS: [Ink; 5] = [
 pub(super) fn svg() -> String {
     let (ink, faint) = (Ink::new(38, 46, 56), Ink::new(120, 130, 142));
     let grid = Ink::new(226, 230, 234);
-    let mut figure = Figure::new(1200.0, 860.0, Ink::new(255, 255, 255));
+    let mut figure = Figure::new(1200.0, 810.0, Ink::new(255, 255, 255));
     for (i, hard) in (0_u32..).zip(HARD) {
         let (column, row) = (f64::from(i % 3), f64::from(i / 3));
         let (left, top) = (72.0 + 380.0 * column, 110.0 + 380.0 * row);
@@ -112,8 +112,15 @@ pub(super) fn svg() -> String {
             bottom: top + 280.0,
         };
         // Evaluations from 10 to 10^7, errors from 1 to 1e-16.
-        let x = |n: f64| room.left + (n.log10() - 1.0) / 6.0 * (room.right - room.left);
-        let y = |e: f64| room.top - e.log10() / 16.0 * (room.bottom - room.top);
+        // What lies beyond is drawn at the edge.
+        let x = |n: f64| {
+            let share = ((n.log10() - 1.0) / 6.0).clamp(0.0, 1.0);
+            room.left + share * (room.right - room.left)
+        };
+        let y = |e: f64| {
+            let share = (-e.log10() / 16.0).clamp(0.0, 1.0);
+            room.top + share * (room.bottom - room.top)
+        };
         for power in 1..=7 {
             let at = x(10.0_f64.powi(power));
             figure.line(&[[at, room.top], [at, room.bottom]], grid, 1.0);
@@ -135,7 +142,11 @@ pub(super) fn svg() -> String {
                 9.0,
                 Anchor::End,
                 faint,
-                &format!("1e-{power}"),
+                &if power == 0 {
+                    "1".to_owned()
+                } else {
+                    format!("1e-{power}")
+                },
             );
         }
         figure.words(
@@ -199,7 +210,7 @@ pub(super) fn markdown() -> String {
          path that goes there and back agree where they all miss the turning points. Straight chords (the first three) gain four\n\
          times the accuracy for twice the work; Gauss' rule of 16 nodes gains nearly everything at once where the speed is smooth,\n\
          and little where it vanishes, unless intervals shrink towards that place, as the last method's do. Forward differencing\n\
-         costs additions alone, and gathers rounding.\n\n",
+         costs additions alone, and gathers rounding until nothing else is left.\n\n",
     );
     let _ = writeln!(
         text,

@@ -11,8 +11,11 @@ use anamorph_core::glam::DQuat;
 use anamorph_io::Track;
 use anamorph_recipe::BuiltMotion;
 
-/// Places between two keys at which errors are measured.
+/// Places between two keys at which errors are measured, and how many between many keys.
 const BETWEEN: u32 = 8;
+const FEW: u32 = 1;
+/// From here on keys are many.
+const MANY: usize = 100_000;
 /// Shares of the path's size that 32-bit numbers leave open: what errs no more is exact in a glTF.
 const ROUNDING: f64 = 1.2e-7;
 /// Radians that they leave open in a quaternion.
@@ -52,6 +55,11 @@ pub(crate) fn size(built: &BuiltMotion) -> f64 {
     places
         .map(|p| p.abs().max_element())
         .fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// Places between two of that many keys.
+fn places(keys: usize) -> u32 {
+    if keys < MANY { BETWEEN } else { FEW }
 }
 
 /// Times inside a span.
@@ -139,7 +147,7 @@ fn straight(built: &BuiltMotion, frames: &Frames) -> (Track<Solid>, f64) {
     let mut worst = 0.0_f64;
     for pair in keys.windows(2) {
         let ((from, a), (to, b)) = (pair[0], pair[1]);
-        for (share, time) in inside(from, to, BETWEEN) {
+        for (share, time) in inside(from, to, places(keys.len())) {
             worst = worst.max((a + (b - a) * share - motion.position(time)).length());
         }
     }
@@ -164,14 +172,15 @@ fn rotation(built: &BuiltMotion, frames: &Frames) -> (Track<DQuat>, f64) {
 
 fn slerped(built: &BuiltMotion, times: &[f64]) -> (Track<DQuat>, f64) {
     // Keys and the places between them in one run: frames that depend on those before them see the same ones.
-    let mut all = Vec::with_capacity(times.len() * 9);
+    let between = places(times.len());
+    let mut all = Vec::with_capacity(times.len() * (between as usize + 1));
     for pair in times.windows(2) {
         all.push(pair[0]);
-        all.extend(inside(pair[0], pair[1], BETWEEN).map(|(_, time)| time));
+        all.extend(inside(pair[0], pair[1], between).map(|(_, time)| time));
     }
     all.extend(times.last());
     let rotations = built.rotations(&all);
-    let step = BETWEEN as usize + 1;
+    let step = between as usize + 1;
     let keys: Vec<(f64, DQuat)> = all
         .iter()
         .copied()
@@ -184,8 +193,8 @@ fn slerped(built: &BuiltMotion, times: &[f64]) -> (Track<DQuat>, f64) {
         if a.dot(b) < 0.0 {
             b = -b;
         }
-        let between = rotations[i * step + 1..(i + 1) * step].iter().enumerate();
-        between.fold(0.0_f64, |worst, (k, q)| {
+        let inner = rotations[i * step + 1..(i + 1) * step].iter().enumerate();
+        inner.fold(0.0_f64, |worst, (k, q)| {
             #[allow(clippy::cast_precision_loss)]
             let share = (k + 1) as f64 / step as f64;
             worst.max(angle(a.slerp(b, share), *q))

@@ -192,7 +192,7 @@ fn build(table: &Values<'_>) -> Result<BuiltMotion, ConstructError> {
     let lengths = anamorph_curves::LengthTable::new(path.curve.as_ref(), ACCURACY * path.size)
         .map_err(of_path)?;
     if !lengths.is_complete() {
-        let message = "the path is too wild to be measured: its speed vanishes or jumps too often";
+        let message = "the path is too wild, or has too many points, to be measured";
         return Err(ConstructError::new("path.points", message)
             .with_hint("take fewer points, or a family of lower degree"));
     }

@@ -109,6 +109,9 @@ pub static SMOOTHINGS: &[SmoothingEntry] = &[
 /// Smoothings one after the other at most, so that the work is bounded by the file's size.
 pub(super) const MOST_ITERATIONS: u32 = 10_000;
 
+/// Products of a number and a weight at most: some seconds.
+const MOST_WORK: usize = 1_000_000_000;
+
 fn smoothed(
     table: &Values<'_>,
     points: &[Solid],
@@ -157,6 +160,18 @@ fn smoothed(
         pinned: &pinned,
         pin_ends: !free,
     };
+    let mut reach = Vec::new();
+    if !points.is_empty() {
+        let weights = filter.weights(points.len(), closed);
+        weights.row(points.len() / 2, &mut reach);
+    }
+    let work = points.len().saturating_mul(reach.len());
+    if work.saturating_mul(smoothing.iterations as usize) > MOST_WORK {
+        let message = "this would take too long: the points, times those that each looks at, times `repeat`, are more than a \
+                       billion";
+        return Err(ConstructError::new(&table.path, message)
+            .with_hint("look at fewer neighbours, or repeat it less often"));
+    }
     smooth(points, filter.as_ref(), &smoothing).map_err(fails)
 }
 
