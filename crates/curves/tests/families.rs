@@ -385,10 +385,7 @@ fn end_rules_of_catmull_rom() {
     assert_eq!(omitted.domain(), (0.0, 1.0));
     assert_eq!((omitted.point(0.0), omitted.point(1.0)), (list[1], list[2]));
     // A parabola through points of a parabola is that parabola.
-    let on: Vec<DVec2> = (0..3)
-        .map(|i| f64::from(i))
-        .map(|x| dvec2(x, x * x))
-        .collect();
+    let on: Vec<DVec2> = (0..3).map(f64::from).map(|x| dvec2(x, x * x)).collect();
     let curve = CatmullRom {
         ends: Ends::Parabola,
         ..CatmullRom::new(on).spaced(Spacing::Uniform)

@@ -87,6 +87,7 @@ impl Mean {
 const AGREE: f64 = 1e-12;
 
 /// Whether two vectors are the same bit for bit.
+#[inline]
 pub(crate) fn same(a: DVec3, b: DVec3) -> bool {
     a.to_array().map(f64::to_bits) == b.to_array().map(f64::to_bits)
 }

@@ -80,22 +80,53 @@ pub(crate) fn map<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> 
 }
 
 /// Calls `f` with each run of `size` items (the last may be shorter) and the index of its first item; on all cores with the
-/// feature `parallel`.
+/// feature `parallel`. The results are in order.
 #[cfg(feature = "parallel")]
-pub(crate) fn fill<T: Send>(items: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) + Sync) {
+pub(crate) fn fill<T: Send, R: Send>(
+    items: &mut [T],
+    size: usize,
+    f: impl Fn(usize, &mut [T]) -> R + Sync,
+) -> Vec<R> {
     use rayon::prelude::*;
     items
         .par_chunks_mut(size)
         .enumerate()
-        .for_each(|(i, run)| f(i * size, run));
+        .map(|(i, run)| f(i * size, run))
+        .collect()
 }
 
-/// Calls `f` with each run of `size` items (the last may be shorter) and the index of its first item.
+/// Calls `f` with each run of `size` items (the last may be shorter) and the index of its first item. The results are in
+/// order.
 #[cfg(not(feature = "parallel"))]
-pub(crate) fn fill<T: Send>(items: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) + Sync) {
-    for (i, run) in items.chunks_mut(size).enumerate() {
-        f(i * size, run);
-    }
+pub(crate) fn fill<T: Send, R: Send>(
+    items: &mut [T],
+    size: usize,
+    f: impl Fn(usize, &mut [T]) -> R + Sync,
+) -> Vec<R> {
+    let runs = items.chunks_mut(size).enumerate();
+    runs.map(|(i, run)| f(i * size, run)).collect()
+}
+
+/// `f` of every row of `stride` bytes, in order; on all cores with the feature `parallel`.
+#[cfg(feature = "parallel")]
+pub(crate) fn rows<R: Send>(
+    bytes: &[u8],
+    stride: usize,
+    f: impl Fn(&[u8]) -> R + Sync + Send,
+) -> Vec<R> {
+    use rayon::prelude::*;
+    // Straight into the memory of the result, which is touched by no other pass.
+    bytes.par_chunks_exact(stride).map(f).collect()
+}
+
+/// `f` of every row of `stride` bytes, in order.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn rows<R: Send>(
+    bytes: &[u8],
+    stride: usize,
+    f: impl Fn(&[u8]) -> R + Sync + Send,
+) -> Vec<R> {
+    bytes.chunks_exact(stride).map(f).collect()
 }
 
 /// The ranges of `size` (the last may be shorter) that make up `0..count`.

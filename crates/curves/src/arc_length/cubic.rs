@@ -624,7 +624,7 @@ impl<'a> Cuts<'a> {
             let (a, b) = self.stack[self.height];
             let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
             let square = half * half;
-            if self.plan.size == 0.0 || half <= 0.0 {
+            if self.plan.size == 0.0 || half.is_nan() || half <= 0.0 {
                 return Some((0, middle, half));
             }
             if !self.plan.known {
@@ -636,8 +636,14 @@ impl<'a> Cuts<'a> {
                 self.distance(zeros[1], middle, square),
             );
             let nearest = first.min(second);
-            let full = self.height + 2 > HEIGHT || self.count >= MOST;
-            if nearest >= square || half < 1e-14 || full {
+            let at = if nearest >= square || half < 1e-14 {
+                a
+            } else {
+                self.place(zeros[usize::from(second < first)], a, b)
+            };
+            // Also where numbers are too coarse to cut, or cuts too many, the largest rule must do.
+            let inside = at > a && at < b;
+            if !inside || self.height + 2 > HEIGHT || self.count >= MOST {
                 let mut rule = 0;
                 for limit in &self.demand.smaller {
                     rule += usize::from(nearest < limit * square);
@@ -645,7 +651,6 @@ impl<'a> Cuts<'a> {
                 self.count += 1;
                 return Some((rule, middle, half));
             }
-            let at = self.place(zeros[usize::from(second < first)], a, b);
             self.stack[self.height] = (at, b);
             self.stack[self.height + 1] = (a, at);
             self.height += 2;

@@ -1,6 +1,6 @@
 //! The curve formulations of *Interpolation Techniques*, chapter 2, one a file, each a generator of a curve.
 //!
-//! Families with cubic pieces make a [`PiecewiseCubic`](crate::PiecewiseCubic); [`Lagrange`] and curves of other degrees
+//! Families with cubic pieces make a [`PiecewiseCubic`]; [`Lagrange`] and curves of other degrees
 //! make a [`PiecewiseBezier`](crate::PiecewiseBezier) or themselves.
 
 mod bezier;

@@ -112,7 +112,8 @@ fn frenet(jet: &Jet<Solid>, forward: Solid, width: f64) -> Option<Frame> {
     let all = Space::length(jet.first) / width
         + Space::length(jet.second)
         + Space::length(jet.third) * width;
-    if !(Space::length(across) > STRAIGHT * all) {
+    let bends = Space::length(across) > STRAIGHT * all;
+    if !bends {
         return None;
     }
     Some(Frame::nearly(forward, Space::normalized(across)?))

@@ -121,7 +121,8 @@ fn a_rigid_motion_of_the_path_moves_its_frames() {
         let other = moved(&curve, turn, by);
         // Straight up is no law: the answer there names coordinate axes.
         let up = dvec3(0.3, 0.8, 0.2);
-        let pairs: Vec<(&str, Box<dyn Orienter + '_>, Box<dyn Orienter + '_>)> = vec![
+        type Pair<'a> = (&'a str, Box<dyn Orienter + 'a>, Box<dyn Orienter + 'a>);
+        let pairs: Vec<Pair<'_>> = vec![
             (
                 "rotation-minimizing",
                 Box::new(
@@ -410,7 +411,8 @@ fn lattice_curves_are_survived() {
         for entry in ORIENTATIONS {
             let made = entry.make(shared(&curve), &settings(entry.name, &curve));
             let Ok(frames) = made else {
-                assert!(!(curve.length(1e-9) > 1e-9), "{} round {round}", entry.name);
+                let moves = curve.length(1e-9) > 1e-9;
+                assert!(!moves, "{} round {round}", entry.name);
                 continue;
             };
             let list = parameters(&curve);

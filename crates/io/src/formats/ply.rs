@@ -14,8 +14,10 @@
 mod create;
 mod header;
 mod inspect;
+mod lists;
 mod rows;
 mod scalar;
+mod triple;
 mod write;
 
 pub(crate) use create::create;
@@ -31,15 +33,25 @@ use crate::{
 use anamorph_core::glam::{DVec2, DVec3};
 use core::convert::Infallible;
 use header::{Element, Encoding, Header};
-use rows::{Row, Rows, Section, each, measure};
+use rows::{Row, Rows, Section, Spot, each, measure};
 use scalar::{Order, Scalar};
 use std::io::Write;
+use triple::Triple;
 
 /// The format.
 pub(crate) struct Ply;
 
 /// A scalar property: its number in the element, and its type.
 type Column = (usize, Scalar);
+
+/// How the rows of a binary element lie that are all alike.
+#[derive(Clone, Copy)]
+struct Strided<'a> {
+    /// Bytes of a row.
+    stride: usize,
+    spots: &'a [Spot],
+    order: Order,
+}
 
 /// Rows read together.
 const RUN: usize = 1 << 15;
@@ -91,7 +103,7 @@ fn read(bytes: Vec<u8>, options: &ReadOptions) -> Result<Model, ReadError> {
     }
     let header = header::parse(&bytes)?;
     let (vertex, axes, normal) = columns(&bytes, &header)?;
-    let sections = measure(&bytes, &header)?;
+    let sections = measure(&bytes, &header, header.elements[vertex].count)?;
     // Only once it is clear that they are there.
     let element = &header.elements[vertex];
     if element.count >= u64::from(NONE) {
@@ -120,6 +132,9 @@ fn read(bytes: Vec<u8>, options: &ReadOptions) -> Result<Model, ReadError> {
     }
     let runs = text::runs(model.positions.len(), RUN);
     let parts = text::map(&runs, |run| -> Vec<usize> {
+        if triple::all_finite(&model.positions[run.clone()], |x| x) {
+            return Vec::new();
+        }
         run.clone()
             .filter(|&i| !model.positions[i].is_finite())
             .collect()
@@ -242,16 +257,29 @@ impl Model {
         }
     }
 
+    /// How the rows of an element lie, if it is binary and they are all alike.
+    fn strided(&self, element: usize) -> Option<Strided<'_>> {
+        match (&self.sections[element].rows, self.header.encoding) {
+            (Rows::Even { stride, spots }, Encoding::Binary(order)) => Some(Strided {
+                stride: *stride,
+                spots,
+                order,
+            }),
+            _ => None,
+        }
+    }
+
     /// Vectors of the vertices by their columns; 0 where there is none.
     fn vectors(&self, columns: &[Option<Column>; 3]) -> Vec<DVec3> {
         let element = &self.header.elements[self.vertex];
         let section = &self.sections[self.vertex];
-        if let (Rows::Even { stride, spots }, Encoding::Binary(order)) =
-            (&section.rows, self.header.encoding)
-        {
+        if let Some(layout) = self.strided(self.vertex) {
             let bytes = &self.bytes[section.range.clone()];
-            let places = columns.map(|c| c.map(|(column, scalar)| (spots[column].start, scalar)));
-            return strided(bytes, *stride, element.count as usize, places, order);
+            let present: Vec<Column> = columns.iter().copied().flatten().collect();
+            return match Triple::of(&present, layout) {
+                Some(triple) => triple.read(bytes),
+                None => one_by_one(bytes, layout, columns),
+            };
         }
         let mut all = Vec::with_capacity(element.count as usize);
         self.all_rows(self.vertex, |_, row| {
@@ -348,16 +376,23 @@ impl Model {
         Ok(())
     }
 
-    /// Whether this is the common case, and in order: binary faces alike, of 32-bit indices in range.
+    /// Whether this is a common case, and in order: binary faces of one list of 32-bit indices, or such lists of equal
+    /// length among other properties.
     fn sound_triangles(&self, element: usize) -> bool {
         let section = &self.sections[element];
+        if section.sound {
+            return true;
+        }
         let Reading::Faces((column, Scalar::I32 | Scalar::U32)) =
             reading(&self.header.elements[element])
         else {
             return false;
         };
-        let (Rows::Even { stride, spots }, Encoding::Binary(order)) =
-            (&section.rows, self.header.encoding)
+        let Some(Strided {
+            stride,
+            spots,
+            order,
+        }) = self.strided(element)
         else {
             return false;
         };
@@ -373,7 +408,7 @@ impl Model {
             Order::Big => u32::from_be_bytes(*item) < most,
         };
         let sound = text::map(&runs, |run| {
-            run.chunks_exact(*stride).all(|row| {
+            run.chunks_exact(stride).all(|row| {
                 let (items, _) = row[spot.start..spot.end].as_chunks::<4>();
                 items.iter().all(in_range)
             })
@@ -471,39 +506,16 @@ impl Model {
     }
 }
 
-/// Vectors at fixed places of rows of `stride` bytes.
-fn strided(
-    bytes: &[u8],
-    stride: usize,
-    count: usize,
-    places: [Option<(usize, Scalar)>; 3],
-    order: Order,
-) -> Vec<DVec3> {
-    let mut all = vec![DVec3::ZERO; count];
-    let single = matches!(
-        places,
-        [
-            Some((_, Scalar::F32)),
-            Some((_, Scalar::F32)),
-            Some((_, Scalar::F32))
-        ]
-    );
-    let starts = places.map(|place| place.map_or(0, |(start, _)| start));
-    text::fill(&mut all, RUN, |first, run| {
-        let rows = bytes[first * stride..].chunks_exact(stride);
-        for (vector, row) in run.iter_mut().zip(rows) {
-            *vector = if single && order == Order::Little {
-                DVec3::from_array(
-                    starts.map(|start| Scalar::F32.read(&row[start..], Order::Little)),
-                )
-            } else {
-                DVec3::from_array(places.map(|place| {
-                    place.map_or(0.0, |(start, scalar)| scalar.read(&row[start..], order))
-                }))
-            };
-        }
-    });
-    all
+/// Vectors of a binary element, whatever the places and types of their numbers.
+fn one_by_one(bytes: &[u8], layout: Strided<'_>, columns: &[Option<Column>; 3]) -> Vec<DVec3> {
+    let places = columns.map(|c| c.map(|(column, scalar)| (layout.spots[column].start, scalar)));
+    text::rows(bytes, layout.stride, |row| {
+        DVec3::from_array(places.map(|place| {
+            place.map_or(0.0, |(start, scalar)| {
+                scalar.read(&row[start..], layout.order)
+            })
+        }))
+    })
 }
 
 /// What is wrong with a row, if anything is.

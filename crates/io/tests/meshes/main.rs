@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod conversion;
+mod layouts;
 
 use anamorph_core::glam::{DVec2, DVec3};
 use anamorph_io::{

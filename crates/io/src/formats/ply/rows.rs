@@ -4,6 +4,7 @@
 //! triangles. This is tried first, so that such elements are reached by stride; else rows are walked one by one.
 
 use super::header::{Element, Encoding, Header, Kind};
+use super::lists::{self, Lists};
 use super::scalar::{Order, Scalar};
 use crate::text::{self, excerpt};
 use crate::{ReadError, ReadErrorKind, number};
@@ -34,6 +35,9 @@ pub(super) enum Rows {
 pub(super) struct Section {
     pub(super) range: Range<usize>,
     pub(super) rows: Rows,
+    /// Whether the walk over the rows has seen that, as faces or strips, they are in order. Where it is not set, they may
+    /// still be.
+    pub(super) sound: bool,
 }
 
 /// One row.
@@ -129,10 +133,14 @@ fn row_name(element: &Element, row: usize) -> String {
     format!("{} {}", element.name, row + 1)
 }
 
-/// The places of all elements.
-pub(super) fn measure(bytes: &[u8], header: &Header) -> Result<Vec<Section>, ReadError> {
+/// The places of all elements. Indices of vertices are in order below `vertices`.
+pub(super) fn measure(
+    bytes: &[u8],
+    header: &Header,
+    vertices: u64,
+) -> Result<Vec<Section>, ReadError> {
     match header.encoding {
-        Encoding::Binary(order) => binary(bytes, header, order),
+        Encoding::Binary(order) => binary(bytes, header, order, vertices),
         Encoding::Ascii => match lines(bytes, header, false) {
             Err(error) if error.kind == ReadErrorKind::Shape => {
                 // Some writers break lines where they like.
@@ -171,6 +179,7 @@ fn lines(bytes: &[u8], header: &Header, wrapped: bool) -> Result<Vec<Section>, R
         sections.push(Section {
             range: start..at,
             rows: Rows::Text { wrapped },
+            sound: false,
         });
     }
     Ok(sections)
@@ -327,7 +336,13 @@ fn list_count(value: f64, room: u64) -> Result<usize, String> {
     }
 }
 
-fn binary(bytes: &[u8], header: &Header, order: Order) -> Result<Vec<Section>, ReadError> {
+fn binary(
+    bytes: &[u8],
+    header: &Header,
+    order: Order,
+    vertices: u64,
+) -> Result<Vec<Section>, ReadError> {
+    let limit = vertices.min(1 << 31) as u32;
     let mut at = header.end;
     let mut sections = Vec::with_capacity(header.elements.len());
     for element in &header.elements {
@@ -338,6 +353,18 @@ fn binary(bytes: &[u8], header: &Header, order: Order) -> Result<Vec<Section>, R
             return Err(too_few(bytes, element, least, left as u64, "bytes"));
         }
         let start = at;
+        if element.count > 0
+            && lists::fits(element)
+            && let Some(found) = lists::walk(&bytes[at..], element.count as usize, order, limit)
+        {
+            at += found.length;
+            sections.push(Section {
+                range: start..at,
+                rows: of_lists(found),
+                sound: found.sound,
+            });
+            continue;
+        }
         let rows = match even(bytes, at, element, order) {
             Some(rows) => {
                 if let Rows::Even { stride, .. } = rows {
@@ -358,9 +385,26 @@ fn binary(bytes: &[u8], header: &Header, order: Order) -> Result<Vec<Section>, R
         sections.push(Section {
             range: start..at,
             rows,
+            sound: false,
         });
     }
     Ok(sections)
+}
+
+/// How the rows of an element of one list counted by a byte lie.
+fn of_lists(found: Lists) -> Rows {
+    let Some(count) = found.alike else {
+        return Rows::Uneven;
+    };
+    let end = 1 + 4 * count;
+    Rows::Even {
+        stride: end,
+        spots: vec![Spot {
+            start: 1,
+            end,
+            count,
+        }],
+    }
 }
 
 /// Rows compared together.

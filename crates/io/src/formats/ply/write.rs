@@ -1,17 +1,18 @@
 //! Writing a PLY file with moved vertices.
 
 use super::header::Encoding;
-use super::rows::Rows;
-use super::scalar::{Order, Scalar};
-use super::{Column, Model};
+use super::scalar::Scalar;
+use super::triple::Triple;
+use super::{Column, Model, Strided};
 use crate::normals::same;
 use crate::patch::Patch;
-use crate::{Document, Moved, Normals, WriteError, WriteReport, number, text};
+use crate::{Document, Moved, Normals, Points, WriteError, WriteReport, number, text};
 use anamorph_core::glam::DVec3;
 use std::io::Write;
 
-/// Vertices rewritten together, and how many such runs are in memory at a time: bounds memory, and feeds as many cores.
-const RUN: usize = 1 << 14;
+/// Vertices rewritten together, and how many such runs are in memory at a time: bounds memory to what caches hold, and feeds
+/// as many cores.
+const RUN: usize = 1 << 12;
 const IN_FLIGHT: usize = 16;
 
 /// The vectors of one property group, before and after.
@@ -19,6 +20,8 @@ struct Change<'a> {
     columns: &'a [Column],
     old: &'a [DVec3],
     new: &'a [DVec3],
+    /// How the columns stand, if they stand side by side.
+    triple: Option<Triple>,
 }
 
 impl Change<'_> {
@@ -36,6 +39,25 @@ impl Change<'_> {
                 .filter(|(_, (old, new))| old.to_bits() != new.to_bits())
                 .map(|(column, (_, new))| (*column, new)),
         )
+    }
+
+    /// Puts the new numbers into rows, the first of which is that of the vertex `first`. The result is how many vectors
+    /// changed.
+    fn write(&self, layout: Strided<'_>, rows: &mut [u8], first: usize) -> usize {
+        if let Some(triple) = self.triple {
+            return triple.write(rows, &self.new[first..]);
+        }
+        let mut changed = 0;
+        for (vertex, row) in (first..).zip(rows.chunks_exact_mut(layout.stride)) {
+            let Some(values) = self.of(vertex) else {
+                continue;
+            };
+            changed += 1;
+            for ((column, scalar), value) in values {
+                scalar.write(value, layout.order, &mut row[layout.spots[column].start..]);
+            }
+        }
+        changed
     }
 
     /// Refuses values that their types cannot hold.
@@ -77,14 +99,27 @@ pub(super) fn write(
     moved: &Moved<'_>,
     out: &mut dyn Write,
 ) -> Result<WriteReport, WriteError> {
-    model.points().check(&moved.points)?;
+    let layout = model.strided(model.vertex);
+    let triple = |columns: &[Column]| layout.and_then(|layout| Triple::of(columns, layout));
+    let axes = triple(&model.axes);
+    // Nearly always all is well, which one look at the new points alone can tell.
+    let well = match (axes, moved.points) {
+        (Some(axes), Points::Solid(new)) => new.len() == model.positions.len() && axes.holds(new),
+        _ => false,
+    };
+    if !well {
+        model.points().check(&moved.points)?;
+    }
     let new = moved.points.solid();
     let positions = Change {
         columns: &model.axes,
         old: &model.positions,
         new: &new,
+        triple: axes,
     };
-    positions.check(model)?;
+    if !well {
+        positions.check(model)?;
+    }
     let mut report = WriteReport::default();
     let (mut old_normals, mut new_normals) = (Vec::new(), Vec::new());
     if !matches!(moved.normals, Normals::Keep)
@@ -99,66 +134,59 @@ pub(super) fn write(
         columns: &columns,
         old: &old_normals,
         new: &new_normals,
+        triple: model.normal.as_ref().and_then(|n| triple(n)),
     };
     // A normal is a direction: there is always room for one.
     let changes = [
         Some(positions),
         (!normals.new.is_empty()).then_some(normals),
     ];
-    let section = &model.sections[model.vertex];
-    match (&section.rows, model.header.encoding) {
-        (Rows::Even { stride, spots }, Encoding::Binary(order)) => {
-            let starts: Vec<usize> = spots.iter().map(|spot| spot.start).collect();
-            in_strides(model, *stride, &starts, order, &changes, &mut report, out)?;
-        }
-        _ => row_by_row(model, &changes, &mut report, out)?,
+    match layout {
+        Some(layout) => in_strides(model, layout, &changes, &mut report, out)?,
+        None => row_by_row(model, &changes, &mut report, out)?,
     }
     Ok(report)
 }
 
 /// Counts what changed.
-fn count(report: &mut WriteReport, which: usize) {
+fn count(report: &mut WriteReport, which: usize, more: usize) {
     match which {
-        0 => report.moved_points += 1,
-        _ => report.changed_normals += 1,
+        0 => report.moved_points += more,
+        _ => report.changed_normals += more,
     }
 }
 
 fn in_strides(
     model: &Model,
-    stride: usize,
-    starts: &[usize],
-    order: Order,
+    layout: Strided<'_>,
     changes: &[Option<Change<'_>>; 2],
     report: &mut WriteReport,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
+    let stride = layout.stride;
     let range = model.sections[model.vertex].range.clone();
-    let bytes = &model.bytes[range.clone()];
     out.write_all(&model.bytes[..range.start])?;
-    let runs = text::runs(model.positions.len(), RUN);
-    for group in runs.chunks(IN_FLIGHT) {
-        let pieces = text::map(group, |run| {
-            let mut piece = bytes[run.start * stride..run.end * stride].to_vec();
+    let mut buffer = Vec::new();
+    let mut first = 0;
+    for group in model.bytes[range.clone()].chunks(stride * RUN * IN_FLIGHT) {
+        buffer.resize(group.len(), 0);
+        let done = text::fill(&mut buffer, stride * RUN, |at, rows| {
+            rows.copy_from_slice(&group[at..at + rows.len()]);
+            let start = first + at / stride;
             let mut done = WriteReport::default();
-            for (v, row) in run.clone().zip(piece.chunks_exact_mut(stride)) {
-                for (which, change) in changes.iter().enumerate() {
-                    let Some(values) = change.as_ref().and_then(|change| change.of(v)) else {
-                        continue;
-                    };
-                    count(&mut done, which);
-                    for ((column, scalar), value) in values {
-                        scalar.write(value, order, &mut row[starts[column]..]);
-                    }
+            for (which, change) in changes.iter().enumerate() {
+                if let Some(change) = change {
+                    count(&mut done, which, change.write(layout, rows, start));
                 }
             }
-            (piece, done)
+            done
         });
-        for (piece, done) in pieces {
-            out.write_all(&piece)?;
+        for done in done {
             report.moved_points += done.moved_points;
             report.changed_normals += done.changed_normals;
         }
+        out.write_all(&buffer)?;
+        first += group.len() / stride;
     }
     out.write_all(&model.bytes[range.end..])?;
     report.bytes += model.bytes.len() as u64;
@@ -180,7 +208,7 @@ fn row_by_row(
             let Some(values) = change.as_ref().and_then(|change| change.of(v)) else {
                 continue;
             };
-            count(report, which);
+            count(report, which, 1);
             edits.extend(values.map(|((column, scalar), new)| (row.range(column), scalar, new)));
         }
         edits.sort_unstable_by_key(|edit| edit.0.start);
