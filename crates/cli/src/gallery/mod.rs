@@ -23,7 +23,7 @@ use anamorph_io::{Document, Points, ReadOptions};
 use anamorph_preview::{Options, Theme};
 use anamorph_recipe::Recipe;
 use scenes::{PARTS, Scene};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A scene with all that the page says of it.
 struct Shown {
@@ -163,7 +163,7 @@ pub(crate) fn run(options: &GalleryOptions) -> Result<(), Failure> {
     result
 }
 
-fn draw(options: &GalleryOptions, index: &PathBuf, markdown: &PathBuf) -> Result<(), Failure> {
+fn draw(options: &GalleryOptions, index: &Path, markdown: &Path) -> Result<(), Failure> {
     let scenes: usize = PARTS.iter().map(|part| part.scenes.len()).sum();
     let count = scenes + motions::SCENES.len();
     let progress = Progress::new("drawing", count, options.quiet);
@@ -192,10 +192,10 @@ fn draw(options: &GalleryOptions, index: &PathBuf, markdown: &PathBuf) -> Result
         progress.add(1);
     }
     drop(progress);
-    let mut pages = vec![(index.clone(), page::html(&parts, &moving))];
+    let mut pages = vec![(index.to_owned(), page::html(&parts, &moving))];
     if options.markdown {
         pages.extend([
-            (markdown.clone(), page::markdown(&parts, &moving)),
+            (markdown.to_owned(), page::markdown(&parts, &moving)),
             (options.out.join("curves.md"), lengths::markdown()),
             (options.out.join("images/arc-length.svg"), lengths::svg()),
         ]);

@@ -350,8 +350,9 @@ pub(crate) fn ticks(low: f64, high: f64, wanted: f64) -> Vec<f64> {
     let mut all = Vec::new();
     let mut i = first;
     while i <= last && all.len() < 64 {
-        // Rounded to the step, so that 0.30000000000000004 is 0.3.
-        all.push((i * step * 1e12 / power).round() / 1e12 * power);
+        // Rounded, so that 0.6000000000000001 is 0.6, and without a sign on zero.
+        let value = i * step;
+        all.push(format!("{value:.10e}").parse().unwrap_or(value) + 0.0);
         i += 1.0;
     }
     all

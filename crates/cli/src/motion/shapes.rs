@@ -40,14 +40,14 @@ fn arrow() -> Vec<[DVec3; 3]> {
     let (left, right) = (dvec3(0.32, 0.0, -0.4), dvec3(-0.32, 0.0, -0.4));
     let (top, bottom) = (dvec3(0.0, 0.16, -0.28), dvec3(0.0, -0.06, -0.28));
     let mut out = vec![
-        [tip, top, left],
-        [tip, right, top],
-        [tip, left, bottom],
-        [tip, bottom, right],
-        [top, tail, left],
-        [tail, top, right],
-        [left, tail, bottom],
-        [tail, right, bottom],
+        [tip, left, top],
+        [tip, top, right],
+        [tip, bottom, left],
+        [tip, right, bottom],
+        [top, left, tail],
+        [tail, right, top],
+        [left, bottom, tail],
+        [tail, bottom, right],
     ];
     // The fin shows which way is up.
     let fin = [

@@ -133,7 +133,7 @@ fn fits(numbers: &[f32], what: &str) -> Result<(), WriteError> {
 }
 
 fn of_points<'a>(points: impl IntoIterator<Item = &'a DVec3>) -> Vec<f32> {
-    let each = points.into_iter().flat_map(|point| point.to_array());
+    let each = points.into_iter().flat_map(DVec3::to_array);
     each.map(|number| number as f32).collect()
 }
 

@@ -33,6 +33,9 @@ pub(super) fn refused(path: &str, error: &CurveError) -> ConstructError {
     }
 }
 
+/// Builds a filter from the numbers of its entry, in their order.
+type Make = fn(&[f64]) -> Result<Box<dyn Filter>, CurveError>;
+
 /// A way of smoothing by name.
 pub struct SmoothingEntry {
     /// Its name in recipes.
@@ -41,7 +44,7 @@ pub struct SmoothingEntry {
     pub summary: &'static str,
     /// The numbers it reads: name, meaning, default.
     pub numbers: &'static [(&'static str, &'static str, f64)],
-    make: fn(&[f64]) -> Result<Box<dyn Filter>, CurveError>,
+    make: Make,
 }
 
 fn boxed<F: Filter + 'static>(filter: F) -> Result<Box<dyn Filter>, CurveError> {

@@ -12,6 +12,7 @@ use anamorph_curves::orientation::registry::{MODIFIERS, ORIENTATIONS, Parameter,
 use serde_json::{Map, Value, json};
 
 /// A table of these keys and no others.
+#[allow(clippy::needless_pass_by_value, reason = "made for this table alone")]
 fn closed(description: &str, properties: Map<String, Value>, required: &[&str]) -> Value {
     json!({
         "description": description,

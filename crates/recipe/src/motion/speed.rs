@@ -148,13 +148,16 @@ fn ease(table: &Values<'_>) -> Result<Box<dyn Ease>, ConstructError> {
         .map_err(|error| refused(&table.path, &error))
 }
 
+/// Time, number, what follows, and the path of a key.
+type Row<'a> = (f64, &'a Value, Option<&'a Value>, String);
+
 /// The rows of keys: a time and at least one number each, and what follows.
 fn keys<'a>(
     table: &Values<'a>,
     key: &str,
     scale: &Scale,
     what: &str,
-) -> Result<Vec<(f64, &'a Value, Option<&'a Value>, String)>, ConstructError> {
+) -> Result<Vec<Row<'a>>, ConstructError> {
     let list = table.list(key)?.unwrap_or_default();
     let mut rows = Vec::with_capacity(list.len());
     for (i, row) in list.iter().enumerate() {
