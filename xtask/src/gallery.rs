@@ -1,8 +1,8 @@
 //! `cargo xtask gallery`: draws the gallery and refreshes its pictures in the documentation.
 //!
 //! Runs `anamorph gallery` into the target folder, then takes over what it made: the light pictures to
-//! `docs/images/gallery/` (those of scenes that are gone are removed) and the text to `docs/gallery.md`. No picture of the
-//! documentation is drawn by hand.
+//! `docs/images/gallery/` (those of scenes that are gone are removed) and the text to `docs/gallery.md`; the page
+//! `docs/curves.md` and its plot, too. No picture of the documentation is drawn by hand.
 
 use crate::{Chore, Failure, no_arguments};
 use std::collections::BTreeSet;
@@ -13,7 +13,7 @@ use std::process::Command;
 pub const CHORE: Chore = Chore {
     name: "gallery",
     arguments: "",
-    what: "draws every warp, and refreshes docs/gallery.md and its pictures",
+    what: "draws every warp, and refreshes docs/gallery.md, docs/curves.md and their pictures",
     run,
 };
 
@@ -21,6 +21,11 @@ pub const CHORE: Chore = Chore {
 const IMAGES: [&str; 2] = ["docs/images/gallery", "images/gallery"];
 /// The page of the documentation.
 const PAGE: &str = "docs/gallery.md";
+/// What is taken over as it is: where it is made, and where it goes.
+const MEASURED: [[&str; 2]; 2] = [
+    ["curves.md", "docs/curves.md"],
+    ["images/arc-length.svg", "docs/images/arc-length.svg"],
+];
 
 fn run(root: &Path, arguments: &[String]) -> Result<(), Failure> {
     no_arguments(CHORE.name, arguments)?;
@@ -58,6 +63,10 @@ fn run(root: &Path, arguments: &[String]) -> Result<(), Failure> {
         if !pictures.contains(&*entry.file_name().to_string_lossy()) {
             std::fs::remove_file(entry.path()).map_err(|e| Failure::file(&entry.path(), &e))?;
         }
+    }
+    for [from, to] in MEASURED {
+        let (from, to) = (made.join(from), root.join(to));
+        std::fs::copy(&from, &to).map_err(|e| Failure::file(&from, &e))?;
     }
     let page = root.join(PAGE);
     std::fs::write(&page, text).map_err(|e| Failure::file(&page, &e))?;

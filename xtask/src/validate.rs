@@ -2,7 +2,8 @@
 //!
 //! The validator is the npm package `gltf-validator`, which is installed into `target/validate` on the first run; `node` and
 //! `npm` have to be there for that. Each model is validated as it is, twisted by the command, and validated again: an error
-//! that the twisted model has more often than the model itself fails the chore.
+//! that the twisted model has more often than the model itself fails the chore. Without arguments the motions of the documentation
+//! are written as animations, too; those must have no error at all.
 
 use crate::{Chore, Failure, cargo};
 use serde_json::Value;
@@ -14,7 +15,7 @@ use std::process::Command;
 pub const CHORE: Chore = Chore {
     name: "validate",
     arguments: "[FILE…]",
-    what: "runs the Khronos validator on glTF models (the fixtures) before and after a twist; needs node and npm",
+    what: "runs the Khronos validator on glTF models (the fixtures) before and after a twist, and on the motions of the documentation; needs node and npm",
     run,
 };
 
@@ -41,6 +42,9 @@ const fs = require("fs"), path = require("path"), validator = require("gltf-vali
   }
 })();
 "#;
+
+/// Where the recipes of the documentation are.
+const RECIPES: &str = "docs/recipes";
 
 /// How often each error occurs.
 type Errors = BTreeMap<String, usize>;
@@ -183,14 +187,51 @@ fn run(root: &Path, arguments: &[String]) -> Result<(), Failure> {
             ));
         }
     }
+    if arguments.is_empty() {
+        let animations = animations(root, &folder)?;
+        for (file, errors) in animations.iter().zip(validated(&folder, &animations)?) {
+            let count = errors.values().sum::<usize>();
+            println!("{}: {count} errors", file.display());
+            for (code, count) in errors {
+                worse.push(format!("{}: {code}, {count} times", file.display()));
+            }
+        }
+    }
     if worse.is_empty() {
         Ok(())
     } else {
         Err(Failure::Failed(format!(
-            "the twist brought errors:\n{}",
+            "what the command wrote has errors:\n{}",
             worse.join("\n")
         )))
     }
+}
+
+/// The motions of the documentation as animations.
+fn animations(root: &Path, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let recipes = root.join(RECIPES);
+    let entries = std::fs::read_dir(&recipes).map_err(|error| Failure::file(&recipes, &error))?;
+    let mut written = Vec::new();
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        if path.extension().is_none_or(|e| e != "toml") || !text.contains("\n[motion]\n") {
+            continue;
+        }
+        let mut target = folder.join(path.file_name().unwrap_or_default());
+        target.set_extension("glb");
+        let mut command = Command::new(cargo());
+        command
+            .current_dir(root)
+            .args(["run", "--quiet", "-p", "anamorph-cli", "--", "motion"])
+            .arg(&path)
+            .arg("-o")
+            .arg(&target)
+            .args(["--force", "--quiet"]);
+        output(&mut command, "install a Rust toolchain")?;
+        written.push(target);
+    }
+    written.sort();
+    Ok(written)
 }
 
 #[cfg(test)]

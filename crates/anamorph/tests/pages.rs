@@ -120,6 +120,53 @@ fn the_front_page_lists_every_warp() {
     }
 }
 
+#[test]
+fn every_key_of_a_motion_is_described() {
+    let page = text("docs/recipes.md");
+    let part = section(&page, "## Motions").unwrap();
+    let schema = anamorph::recipe::schema(&registry::plane(), &registry::solid());
+    let mut names = BTreeSet::new();
+    keys(
+        &schema["properties"]["motion"],
+        &schema["$defs"],
+        &mut names,
+    );
+    assert!(names.len() > 40);
+    for name in names {
+        assert!(
+            part.contains(&format!("`{name}`")),
+            "`{name}` is not described"
+        );
+    }
+    // The words that `kind` and `ease` take.
+    fn constants(schema: &Value, found: &mut BTreeSet<String>) {
+        match schema {
+            Value::Object(object) => {
+                let kind = &object.get("properties").unwrap_or(&Value::Null)["kind"]["const"];
+                found.extend(kind.as_str().map(str::to_owned));
+                object.values().for_each(|value| constants(value, found));
+            }
+            Value::Array(list) => list.iter().for_each(|value| constants(value, found)),
+            _ => {}
+        }
+    }
+    let mut kinds = BTreeSet::new();
+    for part in [
+        &schema["properties"]["motion"],
+        &schema["$defs"]["motion-path"],
+        &schema["$defs"]["motion-smoothing"],
+    ] {
+        constants(part, &mut kinds);
+    }
+    assert!(kinds.len() > 25);
+    for kind in kinds {
+        assert!(
+            part.contains(&format!("`{kind}`")),
+            "`{kind}` is not described"
+        );
+    }
+}
+
 struct Columns<'a>(&'a dyn Document);
 
 impl Attributes for Columns<'_> {
@@ -195,6 +242,17 @@ fn every_recipe_moves_its_model_and_every_warp_has_one() {
         }
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let source = std::fs::read_to_string(&path).unwrap();
+        let recipe = Recipe::from_toml(&source, &name).unwrap();
+        if recipe.is_motion() {
+            let built = recipe
+                .build_motion(Some(&Beside))
+                .unwrap_or_else(|e| panic!("{e}"));
+            assert!(
+                built.motion.distance(built.motion.duration()) > 0.1,
+                "{name}"
+            );
+            continue;
+        }
         // The first line says which model the recipe is for.
         let first = source.lines().next().unwrap();
         let model = [
@@ -207,7 +265,6 @@ fn every_recipe_moves_its_model_and_every_warp_has_one() {
         .unwrap();
         let bytes = std::fs::read(root().join("tests/fixtures/valid").join(model)).unwrap();
         let document = anamorph::io::read(bytes, Some(model), &ReadOptions::default()).unwrap();
-        let recipe = Recipe::from_toml(&source, &name).unwrap();
         let (distance, kinds) = match document.points() {
             Points::Plane(points) => warped(&recipe, &registry::plane(), points, document.as_ref()),
             Points::Solid(points) => warped(&recipe, &registry::solid(), points, document.as_ref()),

@@ -20,13 +20,15 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Warp models by a recipe
     Warp(WarpOptions),
+    /// Write the motion of a recipe as a table, an animation or a picture
+    Motion(MotionOptions),
     /// Write control points, frames or points of a model to edit in a modeller
     Cage(CageOptions),
     /// Say what a model file holds, and what is odd about it
     Inspect(InspectOptions),
     /// Say what the warps of a recipe promise
     Check(CheckOptions),
-    /// List what can be named: warps, fields, falloffs, formats
+    /// List what can be named: warps, fields, falloffs, formats, curves, eases, orientations
     List(ListOptions),
     /// Draw a page of every warp: before and after, recipe, promises
     Gallery(GalleryOptions),
@@ -88,6 +90,60 @@ pub(crate) struct WarpOptions {
     /// Replace files that exist
     #[arg(short, long)]
     pub force: bool,
+}
+
+/// Write the motion of a recipe as a table, an animation or a picture.
+///
+/// What an animator would want to know (backing up, stalls, abrupt starts) is printed as warnings.
+#[derive(Debug, Args)]
+pub(crate) struct MotionOptions {
+    /// The recipe, TOML or JSON, with a table `[motion]`; `-` is standard input
+    #[arg(value_name = "RECIPE")]
+    pub recipe: PathBuf,
+    /// What is written, by its extension: .csv (time, position, quaternion, distance, speed), .glb (an animated node),
+    /// .svg or .png (a picture of path, distance and speed); `-` is a table on standard output
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Frames a second
+    #[arg(long, value_name = "N", default_value = "24", value_parser = parse_rate, allow_hyphen_values = true)]
+    pub fps: f64,
+    /// Seconds the motion lasts, instead of those of the recipe
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
+    pub duration: Option<f64>,
+    /// Change a value of the recipe, such as `motion.path.closed=true`
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub set: Vec<String>,
+    /// Write a report as JSON: length, frames, findings, errors of an animation
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// Size of a picture in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", value_parser = parse_size)]
+    pub size: (u32, u32),
+    /// Colours of a picture
+    #[arg(long, value_name = "THEME", default_value = "light")]
+    pub theme: ThemeName,
+    /// Read files that lie outside of the folder of the recipe
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Replace files that exist
+    #[arg(short, long)]
+    pub force: bool,
+}
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    let rate = text.trim().parse().ok();
+    rate.filter(|rate: &f64| *rate >= 1e-3 && *rate <= 1e6)
+        .ok_or_else(|| "write a number of frames a second from 0.001 to 1000000".to_owned())
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.trim().parse().ok();
+    seconds
+        .filter(|seconds: &f64| *seconds >= 1e-6 && *seconds <= 1e9)
+        .ok_or_else(|| "write a number of seconds from 0.000001 to 1000000000".to_owned())
 }
 
 /// Write control points, frames or points of a model to edit in a modeller.
@@ -361,4 +417,10 @@ pub(crate) enum ListKind {
     Falloffs,
     /// File formats
     Formats,
+    /// Families of curves for the path of a motion
+    Curves,
+    /// Eases for the speed of a motion
+    Eases,
+    /// Orientations for a motion
+    Orientations,
 }

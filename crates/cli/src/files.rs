@@ -18,6 +18,15 @@ pub(crate) fn shown(path: &Path) -> String {
     }
 }
 
+/// A destination as messages show it.
+pub(crate) fn shown_output(path: &Path) -> String {
+    if is_stream(path) {
+        "standard output".to_owned()
+    } else {
+        path.display().to_string()
+    }
+}
+
 /// What may be done about a failure of the operating system, to be put behind it; empty where nothing helps.
 pub(crate) fn mend(kind: ErrorKind) -> &'static str {
     match kind {

@@ -14,6 +14,7 @@ mod files;
 mod gallery;
 mod meshes;
 mod model;
+mod motion;
 mod picture;
 mod progress;
 
@@ -43,6 +44,7 @@ where
     };
     let result = match arguments.command {
         Command::Warp(options) => commands::warp::run(&options),
+        Command::Motion(options) => commands::motion::run(&options),
         Command::Cage(options) => commands::cage::run(&options),
         Command::Inspect(options) => commands::inspect::run(&options),
         Command::Check(options) => commands::check::run(&options),

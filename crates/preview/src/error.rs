@@ -15,6 +15,18 @@ pub enum PreviewError {
         /// How many points the model has.
         points: usize,
     },
+    /// A drawing without pixels, or with too many.
+    #[error(
+        "a drawing of {width} × {height} pixels cannot be made; width and height go from 1 to {most} pixels"
+    )]
+    Drawing {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+        /// The largest width and height.
+        most: u32,
+    },
     /// The picture is too small to hold anything or too large to be made.
     #[error(
         "a picture of {width} × {height} pixels with {samples} × {samples} samples each cannot be made; \

@@ -7,6 +7,8 @@
 //! [marks](anamorph_core::Mark) of a warp, source features orange and target features blue, faint where the model
 //! hides them.
 //!
+//! A [`Figure`] is a drawing of lines and words, such as a plot.
+//!
 //! Everything is computed: no files, fonts, windows or graphics hardware. The same input gives the same pixels on any
 //! number of threads (feature `parallel` uses several).
 //!
@@ -32,6 +34,7 @@
 mod animation;
 mod compose;
 mod error;
+mod figure;
 mod light;
 mod mesh;
 mod options;
@@ -44,11 +47,13 @@ mod plane;
 mod raster;
 mod shade;
 mod shadow;
+mod strokes;
 mod view;
 
 pub use animation::{Animation, AnimationFormat};
 pub use compose::{before_after, single};
 pub use error::PreviewError;
+pub use figure::{Anchor, Figure, Ink};
 pub use options::{Camera, Options, Projection, Theme, Up};
 pub use panel::{Drawable, Model, Panel};
 pub use picture::Picture;

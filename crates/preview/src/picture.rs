@@ -25,6 +25,15 @@ impl Picture {
         }
     }
 
+    /// A picture from pixels that are opaque, four bytes each.
+    pub(crate) fn from_opaque(pixels: &[u8], width: u32, height: u32) -> Self {
+        Self {
+            pixels: pixels.to_vec(),
+            width,
+            height,
+        }
+    }
+
     /// The pixels, row by row from the top, four bytes each (red, green, blue, opacity; sRGB; opacity is always 255),
     /// with the width and the height.
     #[must_use]

@@ -12,10 +12,18 @@ use anamorph_core::Space;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
-/// Keys of the recipe itself. Editors write `$schema` into JSON.
 /// Whose coordinates a recipe may be in; the first if it says nothing.
 pub(crate) const SPACES: [&str; 2] = ["world", "local"];
-const ROOT_KEYS: [&str; 6] = ["version", "warp", "space", "name", "description", "$schema"];
+/// Keys of the recipe itself. Editors write `$schema` into JSON.
+const ROOT_KEYS: [&str; 7] = [
+    "version",
+    "warp",
+    "motion",
+    "space",
+    "name",
+    "description",
+    "$schema",
+];
 
 /// Words of [`scaling`](anamorph_catalog::ScalingMethod).
 pub(crate) const SCALING: [&str; 2] = ["displacement", "composition"];
@@ -31,6 +39,9 @@ impl Recipe {
         let mut problems = Vec::new();
         problems.extend(self.version_problem());
         self.check_root(&mut problems);
+        if let Some(problem) = self.motion_problem() {
+            problems.push(problem);
+        }
         let mut schemas = Schemas::new(registry);
         for (i, table) in self.warp_tables(&mut problems) {
             self.check_warp(i, table, registry, &mut schemas, &mut problems);
@@ -64,7 +75,7 @@ impl Recipe {
         }
     }
 
-    fn check_root(&self, problems: &mut Vec<Problem>) {
+    pub(crate) fn check_root(&self, problems: &mut Vec<Problem>) {
         let begin = match self.source.syntax {
             Syntax::Toml => "begin each warp with [[warp]]",
             Syntax::Json => "put each warp into the list \"warp\": [{ … }]",
@@ -78,7 +89,7 @@ impl Recipe {
                 begin,
             ));
         } else {
-            let known: Vec<String> = ROOT_KEYS[..5].iter().map(|&key| key.to_owned()).collect();
+            let known: Vec<String> = ROOT_KEYS[..6].iter().map(|&key| key.to_owned()).collect();
             for key in self
                 .tree
                 .keys()

@@ -1,4 +1,4 @@
-//! Recipes: a declarative file, TOML or JSON, becomes a stack of warps.
+//! Recipes: a declarative file, TOML or JSON, becomes a stack of warps, or a motion along a path.
 //!
 //! ```toml
 //! version = 1
@@ -15,6 +15,8 @@
 //! the warps in order; [`schema`] is the JSON Schema of the whole file, for editors. Which warps and fields exist is the
 //! registry's business, not this crate's.
 //!
+//! A recipe with a table `[motion]` describes no warps but a motion along a path: [`Recipe::build_motion`].
+//!
 //! The keys of every warp, whatever its kind, are [`COMMON_KEYS`]; they are taken out before a plug-in sees its table.
 //!
 //! A [`RecipeError`] names file, line, column and path of each problem and says how to mend it. Nothing here panics on
@@ -25,6 +27,7 @@ mod construct;
 mod error;
 mod json;
 mod keys;
+mod motion;
 mod names;
 mod recipe;
 mod registry;
@@ -36,6 +39,9 @@ mod words;
 
 pub use construct::{BoundsAfter, BuiltPart, BuiltRecipe};
 pub use error::{Place, Problem, RecipeError};
+pub use motion::{
+    Attitude, BuiltMotion, KEYED, KeyedOrientation, SMOOTHINGS, SmoothingEntry, Subject,
+};
 pub use recipe::{MAX_DEPTH, Recipe};
 pub use registry::{COMMON_KEYS, FieldConstruction, FieldExpression, Registry};
 pub use schema::schema;

@@ -55,10 +55,11 @@ pub fn schema(plane: &Registry<Plane>, solid: &Registry<Solid>) -> Value {
     } else {
         json!({ "oneOf": list })
     };
+    let motion = crate::motion::schema::motion(&mut definitions);
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "anamorph recipe",
-        "description": "A stack of warps that are applied to a model one after the other.",
+        "description": "A stack of warps that are applied to a model one after the other, or a motion along a path.",
         "type": "object",
         "properties": {
             "$schema": { "description": "where this schema is; editors read it", "type": "string" },
@@ -75,8 +76,10 @@ pub fn schema(plane: &Registry<Plane>, solid: &Registry<Solid>) -> Value {
                 "type": "array",
                 "items": item,
             },
+            "motion": motion,
         },
         "required": ["version"],
+        "not": { "required": ["warp", "motion"] },
         "additionalProperties": false,
         "$defs": definitions,
     })

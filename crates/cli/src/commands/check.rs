@@ -71,6 +71,35 @@ fn check_one<S: ModelSpace>(
     ))
 }
 
+/// What there is to say of a motion.
+fn check_motion(
+    path: &Path,
+    recipe: &Recipe,
+    options: &CheckOptions,
+) -> Result<(String, Value), Failure> {
+    let beside = RecipeFiles::beside(path, options.allow_outside);
+    let built = recipe.build_motion(Some(&beside)).map_err(Failure::new)?;
+    let name = files::shown(path);
+    let mut text = format!(
+        "{name}\nmotion: {} along {}, {} units in {} seconds\n",
+        built.orientation,
+        built.family,
+        files::short(built.motion.table().length()),
+        files::short(built.motion.duration()),
+    );
+    let warnings = super::motion::warnings(&built);
+    for warning in &warnings {
+        text.push_str(&format!("  {warning}\n"));
+    }
+    if warnings.is_empty() {
+        text.push_str("  no faults\n");
+    }
+    Ok((
+        text,
+        json!({ "recipe": name, "motion": super::motion::described(&built) }),
+    ))
+}
+
 /// Points that fill the square or cube from −1 to 1 evenly.
 fn stand_in<S: ModelSpace>() -> Vec<S> {
     const STEPS: usize = 17;
@@ -97,6 +126,9 @@ fn check_recipe(
     documents: &mut [Option<Box<dyn Document>>; 2],
 ) -> Result<(String, Value), Failure> {
     let recipe = read_recipe(path, &options.set)?;
+    if recipe.is_motion() {
+        return check_motion(path, &recipe, options);
+    }
     let document = &mut documents[usize::from(recipe.is_local())];
     if let (Some(model), None) = (&options.model, &document) {
         let read_options = ReadOptions::default().local(recipe.is_local());

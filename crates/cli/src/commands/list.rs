@@ -4,7 +4,11 @@ use crate::arguments::{ListKind, ListOptions};
 use crate::error::{Failure, output};
 use anamorph_catalog::Entry;
 use anamorph_core::{Plane, Solid, Space};
+use anamorph_curves::eases::{self, EaseEntry, Setting};
+use anamorph_curves::families::registry::{FAMILIES, Family};
+use anamorph_curves::orientation::registry::{MODIFIERS, ORIENTATIONS, Parameter};
 use anamorph_fields::FALLOFFS;
+use anamorph_recipe::KEYED;
 use anamorph_warps::registry;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -77,6 +81,9 @@ fn rows(kind: ListKind) -> Vec<Row> {
                 }
             })
             .collect(),
+        ListKind::Curves => FAMILIES.iter().map(family).collect(),
+        ListKind::Eases => eases::registry().iter().map(ease).collect(),
+        ListKind::Orientations => orientations(),
         ListKind::Formats => anamorph_io::formats()
             .iter()
             .map(|format| Row {
@@ -90,6 +97,108 @@ fn rows(kind: ListKind) -> Vec<Row> {
             })
             .collect(),
     }
+}
+
+fn family(family: &Family) -> Row {
+    let numbers = family.numbers.iter();
+    let numbers: Vec<Value> = numbers
+        .map(|n| json!({ "name": n.name, "meaning": n.meaning, "default": n.default }))
+        .collect();
+    let closes = if family.closes { "" } else { "; not closed" };
+    Row {
+        name: family.name.to_owned(),
+        summary: format!("{}: {}{closes}", family.title, family.reads),
+        json: json!({
+            "name": family.name,
+            "title": family.title,
+            "reads": family.reads,
+            "closes": family.closes,
+            "velocities": family.velocities,
+            "times": family.times,
+            "numbers": numbers,
+            "reference": family.reference,
+        }),
+    }
+}
+
+fn ease(entry: &EaseEntry) -> Row {
+    let parameters = entry.parameters.iter().map(|p| {
+        let default = match p.default {
+            Setting::Number(number) => json!(number),
+            Setting::Word(word) => json!(word),
+            Setting::Stops(stops) => json!(stops),
+        };
+        json!({ "name": p.name, "meaning": p.summary, "default": default })
+    });
+    let names: Vec<&str> = entry.parameters.iter().map(|p| p.name).collect();
+    let takes = if names.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", names.join(", "))
+    };
+    Row {
+        name: entry.name.to_owned(),
+        summary: format!("{}{takes}", entry.title),
+        json: json!({
+            "name": entry.name,
+            "aliases": entry.aliases,
+            "title": entry.title,
+            "parameters": parameters.collect::<Vec<_>>(),
+            "reference": entry.reference,
+        }),
+    }
+}
+
+/// Frames along the path, ways from key to key, and what changes frames.
+fn orientations() -> Vec<Row> {
+    let row =
+        |name: &str, title: &str, summary: &str, reference: &str, parameters: Value, role: &str| {
+            Row {
+                name: name.to_owned(),
+                summary: format!("{title}: {summary}"),
+                json: json!({
+                    "name": name,
+                    "role": role,
+                    "title": title,
+                    "summary": summary,
+                    "parameters": parameters,
+                    "reference": reference,
+                }),
+            }
+        };
+    let listed = |all: &[Parameter]| {
+        let each = all.iter();
+        Value::Array(
+            each.map(|p| json!({ "name": p.name, "meaning": p.meaning, "required": p.required }))
+                .collect(),
+        )
+    };
+    let along = ORIENTATIONS.iter().map(|e| {
+        row(
+            e.name,
+            e.title,
+            e.summary,
+            e.reference,
+            listed(e.parameters),
+            "along",
+        )
+    });
+    let keyed = KEYED.iter().map(|e| {
+        let keys =
+            json!([{ "name": "keys", "meaning": "orientations at times", "required": true }]);
+        row(e.name, e.title, e.summary, e.reference, keys, "keys")
+    });
+    let changes = MODIFIERS.iter().map(|e| {
+        row(
+            e.name,
+            e.title,
+            e.summary,
+            e.reference,
+            listed(e.parameters),
+            "modifier",
+        )
+    });
+    along.chain(keyed).chain(changes).collect()
 }
 
 pub(crate) fn run(options: &ListOptions) -> Result<(), Failure> {

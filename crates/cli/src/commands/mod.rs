@@ -4,6 +4,7 @@ pub(crate) mod cage;
 pub(crate) mod check;
 pub(crate) mod inspect;
 pub(crate) mod list;
+pub(crate) mod motion;
 pub(crate) mod promises;
 pub(crate) mod schema;
 pub(crate) mod shell;

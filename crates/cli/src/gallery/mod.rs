@@ -3,6 +3,9 @@
 //! Everything on the page is made from what the program knows: the recipes of the documentation, the registries, the
 //! guarantees it derives. The page is static and needs no network.
 
+mod curves;
+mod lengths;
+mod motions;
 mod page;
 mod plots;
 mod scenes;
@@ -20,7 +23,7 @@ use anamorph_io::{Document, Points, ReadOptions};
 use anamorph_preview::{Options, Theme};
 use anamorph_recipe::Recipe;
 use scenes::{PARTS, Scene};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A scene with all that the page says of it.
 struct Shown {
@@ -160,8 +163,9 @@ pub(crate) fn run(options: &GalleryOptions) -> Result<(), Failure> {
     result
 }
 
-fn draw(options: &GalleryOptions, index: &PathBuf, markdown: &PathBuf) -> Result<(), Failure> {
-    let count = PARTS.iter().map(|part| part.scenes.len()).sum();
+fn draw(options: &GalleryOptions, index: &Path, markdown: &Path) -> Result<(), Failure> {
+    let scenes: usize = PARTS.iter().map(|part| part.scenes.len()).sum();
+    let count = scenes + motions::SCENES.len();
     let progress = Progress::new("drawing", count, options.quiet);
     let mut files = Vec::new();
     let mut parts = Vec::new();
@@ -182,14 +186,21 @@ fn draw(options: &GalleryOptions, index: &PathBuf, markdown: &PathBuf) -> Result
         }
         parts.push((part, shown));
     }
+    let mut moving = Vec::new();
+    for scene in motions::SCENES {
+        moving.push(motions::show(scene, options, &mut files)?);
+        progress.add(1);
+    }
     drop(progress);
-    for (path, text) in [
-        (index, page::html(&parts)),
-        (markdown, page::markdown(&parts)),
-    ] {
-        if path == markdown && !options.markdown {
-            continue;
-        }
+    let mut pages = vec![(index.to_owned(), page::html(&parts, &moving))];
+    if options.markdown {
+        pages.extend([
+            (markdown.to_owned(), page::markdown(&parts, &moving)),
+            (options.out.join("curves.md"), lengths::markdown()),
+            (options.out.join("images/arc-length.svg"), lengths::svg()),
+        ]);
+    }
+    for (path, text) in &pages {
         let mut file = Pending::create(path, options.force)?;
         file.fill(|out| out.write_all(text.as_bytes()))?;
         files.push(file);
@@ -234,11 +245,9 @@ mod tests {
     #[test]
     fn every_recipe_of_the_documentation_is_shown() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/recipes");
-        let scenes: BTreeSet<&str> = PARTS
-            .iter()
-            .flat_map(|part| part.scenes)
-            .map(|scene| scene.name)
-            .collect();
+        let scenes = PARTS.iter().flat_map(|part| part.scenes);
+        let moving = motions::SCENES.iter().map(|scene| scene.name);
+        let scenes: BTreeSet<&str> = scenes.map(|scene| scene.name).chain(moving).collect();
         for file in std::fs::read_dir(folder).unwrap() {
             let path = file.unwrap().path();
             if path.extension().is_some_and(|e| e == "toml") {

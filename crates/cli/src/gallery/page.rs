@@ -2,7 +2,7 @@
 
 use super::plots::plot;
 use super::scenes::Part;
-use super::{Promised, Shown};
+use super::{Promised, Shown, curves, motions};
 use anamorph_fields::FALLOFFS;
 use std::fmt::Write;
 
@@ -23,7 +23,7 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// A recipe with comments and headings of tables marked.
-fn highlighted(recipe: &str) -> String {
+pub(super) fn highlighted(recipe: &str) -> String {
     let mut html = String::new();
     for line in recipe.trim_end().lines() {
         // A `#` after an even number of quotes begins a comment; recipes here have no escaped quotes.
@@ -169,8 +169,13 @@ const ABOUT: &str = "Every warp that a recipe can name, on a real model. Source 
     21(1), 2002), whose order and figure numbers this page keeps. What a warp promises is proved, refuted or unknown; nothing \
     is guessed.";
 
+const CURVES: &str = "Every family of curves, with the same seven points.";
+const EASES: &str = "How the share of the distance grows with the share of the time.";
+const ORIENTATIONS: &str = "Every orientation on the same path: forward blue, up green, left red; then ways from key to key, and \
+    what changes frames.";
+
 /// The page.
-pub(super) fn html(parts: &[(&Part, Vec<Shown>)]) -> String {
+pub(super) fn html(parts: &[(&Part, Vec<Shown>)], moving: &[motions::Shown]) -> String {
     let mut html = String::from(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>anamorph: gallery</title>\n<style>\n",
@@ -183,7 +188,10 @@ pub(super) fn html(parts: &[(&Part, Vec<Shown>)]) -> String {
         let name = shown.scene.name;
         let _ = write!(html, "<a href=\"#{name}\">{}</a>", escape(name));
     }
-    html.push_str("<a href=\"#falloffs\">falloffs</a></nav>\n</header>\n<main>\n");
+    for name in ["falloffs", "curves", "eases", "orientations", "motions"] {
+        let _ = write!(html, "<a href=\"#{name}\">{name}</a>");
+    }
+    html.push_str("</nav>\n</header>\n<main>\n");
     for (part, scenes) in parts {
         let _ = writeln!(
             html,
@@ -200,8 +208,30 @@ pub(super) fn html(parts: &[(&Part, Vec<Shown>)]) -> String {
         html,
         "<section id=\"falloffs\"><h2>Falloffs</h2><p class=\"about\">How influence fades with the distance from a feature, \
          in radii. The class is that of the whole function of space, the feature's own place included.</p>\
-         <div class=\"plots\">\n{}</div></section>\n</main>\n",
+         <div class=\"plots\">\n{}</div></section>\n",
         falloffs_html()
+    );
+    for (id, title, about, plots) in [
+        ("curves", "Curves", CURVES, curves::families_html()),
+        ("eases", "Eases", EASES, curves::eases_html()),
+        (
+            "orientations",
+            "Orientations",
+            ORIENTATIONS,
+            curves::orientations_html(),
+        ),
+    ] {
+        let _ = writeln!(
+            html,
+            "<section id=\"{id}\"><h2>{title}</h2><p class=\"about\">{}</p><div class=\"plots\">\n{plots}</div></section>",
+            escape(about)
+        );
+    }
+    let _ = write!(
+        html,
+        "<section id=\"motions\"><h2>Motions</h2><p class=\"about\">{}</p>\n{}</section>\n</main>\n",
+        escape(motions::ABOUT),
+        motions::html(moving)
     );
     let _ = write!(
         html,
@@ -213,7 +243,7 @@ pub(super) fn html(parts: &[(&Part, Vec<Shown>)]) -> String {
 }
 
 /// The same for the documentation: pictures in the light, recipes by their files.
-pub(super) fn markdown(parts: &[(&Part, Vec<Shown>)]) -> String {
+pub(super) fn markdown(parts: &[(&Part, Vec<Shown>)], moving: &[motions::Shown]) -> String {
     let mut text = format!(
         "# Gallery\n\nWritten by `cargo xtask gallery`. {ABOUT} `anamorph gallery --out DIR` makes the same as a page with \
          recipes to copy, promises and plots.\n"
@@ -240,6 +270,7 @@ pub(super) fn markdown(parts: &[(&Part, Vec<Shown>)]) -> String {
             );
         }
     }
+    text.push_str(&motions::markdown(moving));
     text
 }
 

@@ -1,6 +1,6 @@
 //! Speed control: which distance is covered at which time.
 //!
-//! A motion is `P(U(S(t)))`; this module is `S`. A [`SpeedControl`] is an ease over a duration and a distance ([`Eased`]), or
+//! A [`Motion`] is `P(U(S(t)))`, and a [`SpeedControl`] its `S`: an ease over a duration and a distance ([`Eased`]), or
 //! drawn by keys: distances at times ([`DistanceTime`]), speeds ([`SpeedTime`]) or accelerations ([`AccelerationTime`]).
 //! [`diagnose`] names what an animator would not want, with its time.
 //!
@@ -10,6 +10,7 @@
 //! distance-time pairs" and "Working with time-distance curves".
 
 mod acceleration_time;
+mod along;
 mod diagnose;
 mod distance_time;
 mod finding;
@@ -17,6 +18,7 @@ mod piecewise;
 mod speed_time;
 
 pub use acceleration_time::{AccelerationKey, AccelerationTime};
+pub use along::{Measure, Motion};
 pub use diagnose::{diagnose, diagnose_until};
 pub use distance_time::{Cause, DistanceKey, DistanceTime, SpeedChange};
 pub use finding::Finding;

@@ -3,6 +3,7 @@
 pub(crate) mod csv;
 pub(crate) mod gltf;
 pub(crate) mod gltf_create;
+pub(crate) mod gltf_motion;
 pub(crate) mod obj;
 pub(crate) mod off;
 pub(crate) mod ply;

@@ -93,6 +93,8 @@ pub(crate) fn validate(value: &Value, schema: &Value, root: &Value) -> Option<BT
                 .as_array()
                 .is_none_or(|list| Some(list.len() as u64) <= rule.as_u64()),
             "minimum" => value.as_f64().is_none_or(|n| Some(n) >= rule.as_f64()),
+            "maximum" => value.as_f64().is_none_or(|n| Some(n) <= rule.as_f64()),
+            "not" => inner(rule).is_none(),
             "exclusiveMinimum" => value.as_f64().is_none_or(|n| Some(n) > rule.as_f64()),
             "allOf" | "anyOf" | "oneOf" => {
                 let list = rule.as_array()?;
