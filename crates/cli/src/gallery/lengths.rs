@@ -71,7 +71,7 @@ const ACCURACIES: [f64; 8] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
 /// That of the table.
 const TABLE: f64 = 1e-6;
 /// Below this an error is rounding.
-const LEAST: f64 = 1e-16;
+const LEAST: f64 = 1e-13;
 
 impl Hard {
     fn curve(&self) -> Option<Box<dyn Path<Plane>>> {
