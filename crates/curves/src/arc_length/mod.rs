@@ -11,6 +11,7 @@ mod gauss;
 mod inverse;
 pub mod methods;
 mod table;
+mod zeros;
 
 pub use inverse::{InverseArcLength, cubic_parameter_at};
 pub use table::LengthTable;

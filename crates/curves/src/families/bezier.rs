@@ -1,6 +1,6 @@
 //! Chains of cubic Bézier curves.
 //!
-//! *Source*: *Interpolation Techniques*, chapter 2, "Cubic Bézier", with the matrix of errata C1; curves of any degree are
+//! *Source*: G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002; *Interpolation Techniques*, chapter 2, "Cubic Bézier", with the matrix of errata C1; curves of any degree are
 //! [`Bezier`](crate::Bezier).
 
 use super::{Generator, through};

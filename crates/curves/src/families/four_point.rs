@@ -1,6 +1,6 @@
 //! The 4-point form: each span is the cubic through four points.
 //!
-//! *Source*: *Interpolation Techniques*, chapter 2, "4-point form". The points are passed at `x = 0, 1/3, 2/3, 1` of the
+//! *Source*: G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002; *Interpolation Techniques*, chapter 2, "4-point form". The points are passed at `x = 0, 1/3, 2/3, 1` of the
 //! span; neighbouring spans share an end point and meet without a common tangent.
 
 use super::{Generator, through};

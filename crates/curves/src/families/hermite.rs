@@ -1,6 +1,6 @@
 //! Hermite curves: points, and the velocity at each.
 //!
-//! *Source*: *Interpolation Techniques*, chapter 2, "Hermite": the cubic of each span has given points and derivatives at
+//! *Source*: G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002; *Interpolation Techniques*, chapter 2, "Hermite": the cubic of each span has given points and derivatives at
 //! its ends. With times, velocities are per unit of time; without, per span.
 
 use super::{Generator, check_times, through};

@@ -1,4 +1,7 @@
 //! The families by name: what recipes call them, what commands list, what tests run over.
+//!
+//! *Source*: *Interpolation Techniques*, chapter 2, "Curve formulations"; each entry names its own. Decision: one table feeds
+//! recipes, lists, the gallery and the tests, so that none can forget a family.
 
 use super::{
     BSpline, BlendedParabolas, CatmullRom, CubicBezier, FourPoint, Generator, Hermite, Knots,
