@@ -6,6 +6,8 @@
 //! | module | feature | what it holds |
 //! | --- | --- | --- |
 //! | (root) | always | the engine and its vocabulary: [`Deformation`], [`Warp`], [`Field`], [`Stack`], [`map_all`], … |
+//! | `curves` | `curves` | curves, arc length, eases, motion, orientation along paths, smoothing |
+//! | `meshing` | `meshing` | surfaces of triangles and paths on them |
 //! | `features` | default | pairs of points and frames |
 //! | `fields` | default | falloffs, fields of space and of a model, polynomial bases |
 //! | `transforms` | default | composition scaling, polar decomposition, quaternions, paths through orientations |
@@ -38,12 +40,16 @@ pub use anamorph_core::*;
 
 #[cfg(feature = "recipe")]
 pub use anamorph_catalog as catalog;
+#[cfg(feature = "curves")]
+pub use anamorph_curves as curves;
 #[cfg(feature = "features")]
 pub use anamorph_features as features;
 #[cfg(feature = "fields")]
 pub use anamorph_fields as fields;
 #[cfg(feature = "io")]
 pub use anamorph_io as io;
+#[cfg(feature = "meshing")]
+pub use anamorph_meshing as meshing;
 #[cfg(feature = "preview")]
 pub use anamorph_preview as preview;
 #[cfg(feature = "recipe")]

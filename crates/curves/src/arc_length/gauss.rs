@@ -78,8 +78,9 @@ const DEPTH: u32 = 45;
 /// Rule applications after which an integral is taken as it is.
 const APPLICATIONS: usize = 20_000;
 
-/// The integral of `f ≥ 0` over `[a, b]` to `accuracy`: halves until a rule and its two halves agree. The agreement bounds
-/// the error of the *whole*; what is returned is that of the halves, which for smooth `f` is far less.
+/// The integral of `f ≥ 0` over `[a, b]` to `accuracy`: halves until a rule and its two halves agree at two levels in a row,
+/// since one agreement may be chance where `f` has a corner. The agreement bounds the error of the *whole*; what is returned
+/// is that of the halves, which for smooth `f` is far less.
 pub(crate) fn adaptive(f: &mut impl FnMut(f64) -> f64, a: f64, b: f64, accuracy: f64) -> f64 {
     adaptive_or_not(f, a, b, accuracy).0
 }
@@ -92,21 +93,23 @@ pub(crate) fn adaptive_or_not(
     accuracy: f64,
 ) -> (f64, bool) {
     let whole = integral(f, a, b);
-    let mut stack = vec![(a, b, whole, accuracy, 0)];
+    let mut stack = vec![(a, b, whole, accuracy, 0, false)];
     let (mut sum, mut applied, mut converged) = (0.0, 1, true);
-    while let Some((a, b, whole, accuracy, depth)) = stack.pop() {
+    while let Some((a, b, whole, accuracy, depth, agreed)) = stack.pop() {
         let middle = 0.5 * (a + b);
         let (left, right) = (integral(f, a, middle), integral(f, middle, b));
         applied += 2;
         let halves = left + right;
         let rounding = 1e-15 * halves;
-        let agree = (halves - whole).abs() <= accuracy.max(rounding);
+        let near = (halves - whole).abs();
+        let agree = agreed && near <= accuracy.max(rounding);
         if agree || depth >= DEPTH || applied >= APPLICATIONS {
             converged &= agree;
             sum += halves;
         } else {
-            stack.push((middle, b, right, 0.5 * accuracy, depth + 1));
-            stack.push((a, middle, left, 0.5 * accuracy, depth + 1));
+            let near = near <= 4.0 * accuracy.max(rounding);
+            stack.push((middle, b, right, 0.5 * accuracy, depth + 1, near));
+            stack.push((a, middle, left, 0.5 * accuracy, depth + 1, near));
         }
     }
     (sum, converged)
