@@ -89,7 +89,8 @@ const AGREE: f64 = 1e-12;
 /// Whether two vectors are the same bit for bit.
 #[inline]
 pub(crate) fn same(a: DVec3, b: DVec3) -> bool {
-    a.to_array().map(f64::to_bits) == b.to_array().map(f64::to_bits)
+    let differ = |a: f64, b: f64| a.to_bits() ^ b.to_bits();
+    differ(a.x, b.x) | differ(a.y, b.y) | differ(a.z, b.z) == 0
 }
 
 /// Vertices evaluated together.

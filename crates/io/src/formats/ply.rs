@@ -355,11 +355,11 @@ impl Model {
     /// The first of the elements that makes no sense.
     fn check_elements(&self) -> Result<(), ReadError> {
         for (e, element) in self.header.elements.iter().enumerate() {
-            if self.sound_triangles(e) {
+            let kind = reading(element);
+            if matches!(kind, Reading::Other) || self.sound_triangles(e) {
                 continue;
             }
             let count = self.positions.len();
-            let kind = reading(element);
             let found = self.rows(e, |index, row| {
                 check_row(&kind, row, count).map_err(|what| (index, what))
             });

@@ -4,7 +4,7 @@
 use super::*;
 use std::fmt::Write;
 
-/// Types of the properties of a vertex: whole types seldom for coordinates, so that values are not all whole.
+/// How the vertices of a file are laid out.
 struct Layout {
     /// 1 little, 2 big endian.
     encoding: usize,
@@ -62,7 +62,7 @@ impl Layout {
         }
         out
     }
-    /// A file of these vertices; `other` gives the numbers that are neither coordinates nor normals.
+    /// A file of these vertices; `uneven` makes the rows of different lengths where there are lists.
     fn file(&self, points: &[DVec3], normals: &[DVec3], uneven: bool) -> Vec<u8> {
         let mut out = self.header(points.len()).into_bytes();
         out.extend(b"end_header\n");
@@ -318,7 +318,7 @@ fn ply_faces_counted_by_bytes_are_read_as_all_others() {
         let mut faces: Vec<Vec<i64>> = (0..count)
             .map(|i| {
                 let corners = match mixed {
-                    0 => 3 + random.below(300 / 10),
+                    0 => 3 + random.below(30),
                     1 if i + 1 == count => corners + 1,
                     _ => corners,
                 };

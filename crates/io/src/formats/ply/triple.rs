@@ -4,6 +4,7 @@
 
 use super::scalar::{Order, Scalar};
 use super::{Column, Strided};
+use crate::normals::same;
 use crate::text;
 use anamorph_core::glam::DVec3;
 
@@ -112,8 +113,11 @@ fn vector<const BYTES: usize, const SIZE: usize>(
     bytes: &[u8; BYTES],
     from: impl Fn([u8; SIZE]) -> f64,
 ) -> DVec3 {
-    let (numbers, _) = bytes.as_chunks::<SIZE>();
-    DVec3::new(from(numbers[0]), from(numbers[1]), from(numbers[2]))
+    match bytes.as_chunks::<SIZE>().0 {
+        [x, y, z] => DVec3::new(from(*x), from(*y), from(*z)),
+        // There are three.
+        _ => DVec3::ZERO,
+    }
 }
 
 fn read<const BYTES: usize, const SIZE: usize>(
@@ -146,11 +150,10 @@ fn write<const BYTES: usize, const SIZE: usize>(
         if !old.is_finite() {
             continue;
         }
-        moved += usize::from(!crate::normals::same(old, new));
+        moved += usize::from(!same(old, new));
         // A number that has not changed gets the bytes it has.
-        let (numbers, _) = bytes.as_chunks_mut::<SIZE>();
-        for (number, value) in numbers.iter_mut().zip(new.to_array()) {
-            *number = to(value);
+        if let [x, y, z] = bytes.as_chunks_mut::<SIZE>().0 {
+            (*x, *y, *z) = (to(new.x), to(new.y), to(new.z));
         }
     }
     moved
