@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used)]
 
 use anamorph_core::glam::{DVec2, DVec3, dvec2};
-use anamorph_curves::arc_length::{cubic_lengths, cubic_parameter_at};
+use anamorph_curves::arc_length::{cubic_lengths, cubic_parameter_at, cubic_parameters_at};
 use anamorph_curves::families::{CatmullRom, Generator};
 use anamorph_curves::{LengthTable, NearestTable};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -109,6 +109,13 @@ fn inverses(criterion: &mut Criterion) {
             pairs
                 .map(|(c, s)| cubic_parameter_at(c, *s, ACCURACY))
                 .sum::<f64>()
+        });
+    });
+    let mut out = Vec::new();
+    group.bench_function("many together", |bencher| {
+        bencher.iter(|| {
+            cubic_parameters_at(black_box(&ours), &asked, ACCURACY, &mut out);
+            out.iter().sum::<f64>()
         });
     });
     // A path of a hundred spans, asked a hundred thousand times.

@@ -6,7 +6,7 @@ mod common;
 
 use anamorph_core::glam::{DVec2, DVec3, dvec2, dvec3};
 use anamorph_curves::arc_length::methods::methods;
-use anamorph_curves::arc_length::{closed, cubic_lengths, cubic_parameter_at};
+use anamorph_curves::arc_length::{closed, cubic_lengths, cubic_parameter_at, cubic_parameters_at};
 use anamorph_curves::families::{CatmullRom, CubicBezier, Generator, Lagrange, Spacing};
 use anamorph_curves::{
     ArcLength, Bezier, Cubic, InverseArcLength, LengthTable, PiecewiseBezier, PiecewiseCubic,
@@ -172,6 +172,37 @@ fn check_inverse(curve: &[DVec2; 4], accuracy: f64) {
             "{curve:?} {u}"
         );
     }
+}
+
+#[test]
+fn many_inverses_equal_one_at_a_time() {
+    let curves = hard();
+    let (mut lengths, mut many) = (Vec::new(), Vec::new());
+    cubic_lengths(&curves, 1e-12, &mut lengths);
+    // From before the start to behind the end, and one that is no number.
+    for (step, length) in lengths.iter_mut().enumerate() {
+        *length *= (step % 13) as f64 / 10.0 - 0.1;
+    }
+    lengths[5] = f64::NAN;
+    for accuracy in [1e-3, 1e-9] {
+        cubic_parameters_at(&curves, &lengths, accuracy, &mut many);
+        assert_eq!(many.len(), curves.len());
+        for ((curve, &s), u) in curves.iter().zip(&lengths).zip(&many) {
+            assert_eq!(*u, cubic_parameter_at(curve, s, accuracy), "{curve:?} {s}");
+        }
+        let solid: Vec<[DVec3; 4]> = curves
+            .iter()
+            .map(|c| c.map(|p| p.extend(p.x - 0.3 * p.y)))
+            .collect();
+        cubic_parameters_at(&solid, &lengths, accuracy, &mut many);
+        for ((curve, &s), u) in solid.iter().zip(&lengths).zip(&many) {
+            assert_eq!(*u, cubic_parameter_at(curve, s, accuracy), "{curve:?} {s}");
+        }
+    }
+    cubic_parameters_at(&curves[..3], &lengths[..2], 1e-9, &mut many);
+    assert_eq!(many.len(), 2);
+    cubic_parameters_at::<DVec2>(&[], &[], 1e-9, &mut many);
+    assert!(many.is_empty());
 }
 
 #[test]

@@ -31,8 +31,8 @@ pub(crate) const WHOLE: Stretch = Stretch { from: 0.0, to: 1.0 };
 
 /// The velocity by the local parameter: three coefficients for each axis.
 #[derive(Clone, Copy)]
-struct Velocity {
-    axes: [[f64; 3]; 3],
+pub(super) struct Velocity {
+    pub(super) axes: [[f64; 3]; 3],
 }
 
 /// The zeros of the squared speed with positive imaginary part, `(x, y)`; far away ones are brought to a bound.
@@ -203,11 +203,11 @@ impl Velocity {
 
 /// One interval whose rule is known.
 #[derive(Clone, Copy)]
-struct Interval {
+pub(super) struct Interval {
     /// Which stretch it belongs to.
-    stretch: usize,
-    middle: f64,
-    half: f64,
+    pub(super) stretch: usize,
+    pub(super) middle: f64,
+    pub(super) half: f64,
 }
 
 /// Intervals of one stretch at most: a cusp in the finest demand needs about 30.
@@ -280,18 +280,40 @@ fn weighted<T: Vectors, const V: usize>(_: T, rule: &Nodes<V>, axes: &[[f64; 3]]
 }
 
 /// Stretches worked on together.
-const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = 64;
 
 /// What is known of a stretch while a block is worked on.
 #[derive(Clone, Copy)]
-struct Plan {
-    velocity: Velocity,
+pub(super) struct Plan {
+    pub(super) velocity: Velocity,
     /// What lengths must be multiplied by: velocities are brought to about 1.
-    scale: f64,
+    pub(super) scale: f64,
     size: f64,
     zeros: Zeros,
     /// Whether zeros are known.
     known: bool,
+}
+
+impl Plan {
+    /// The speed at a parameter, and its first three derivatives; not finite where the speed is 0.
+    #[inline(always)]
+    pub(super) fn speeds(&self, dim: usize, x: f64) -> [f64; 4] {
+        // The squared speed and halves of its derivatives.
+        let mut half = [0.0; 4];
+        for [a, b, c] in &self.velocity.axes[..dim] {
+            let (v, dv, ddv) = (a + x * (b + x * c), b + 2.0 * x * c, 2.0 * c);
+            half[0] += v * v;
+            half[1] += v * dv;
+            half[2] += dv * dv + v * ddv;
+            half[3] += 3.0 * dv * ddv;
+        }
+        let speed = half[0].sqrt();
+        let slowness = 1.0 / speed;
+        let first = half[1] * slowness;
+        let second = (half[2] - first * first) * slowness;
+        let third = (half[3] - 3.0 * first * second) * slowness;
+        [speed, first, second, third].map(|s| s * self.scale)
+    }
 }
 
 /// Lengths of stretches of cubics, each to `accuracy` (absolute, at least 1e-15 of its size), in order. `done(stretch,
@@ -326,7 +348,6 @@ pub(crate) fn lengths<'a, S: Space>(
                 );
             }
         }
-        work.values.resize(work.intervals.len(), 0.0);
         with_vectors!(vectors => sums::<S, _>(vectors, &mut work, &plans, accuracy));
         for (at, value) in work.intervals.iter().zip(&work.values) {
             let (index, _, plan) = &plans[at.stretch];
@@ -338,20 +359,20 @@ pub(crate) fn lengths<'a, S: Space>(
 
 /// The intervals of a block, sorted by the rule they need: the processor then does not have to guess which comes next.
 #[derive(Default)]
-struct Work {
-    intervals: Vec<Interval>,
+pub(super) struct Work {
+    pub(super) intervals: Vec<Interval>,
     by_rule: [Vec<u32>; RULES + 1],
-    values: Vec<f64>,
+    pub(super) values: Vec<f64>,
 }
 
 impl Work {
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.intervals.clear();
         self.values.clear();
         self.by_rule.iter_mut().for_each(Vec::clear);
     }
 
-    fn add(&mut self, rule: usize, interval: Interval) {
+    pub(super) fn add(&mut self, rule: usize, interval: Interval) {
         self.by_rule[rule.min(RULES)].push(self.intervals.len() as u32);
         self.intervals.push(interval);
     }
@@ -359,7 +380,7 @@ impl Work {
 
 /// The sums of all intervals. The same operations in the same order for any width of vectors.
 #[inline(always)]
-fn sums<S: Space, T: Vectors>(
+pub(super) fn sums<S: Space, T: Vectors>(
     vectors: T,
     work: &mut Work,
     plans: &[(usize, Stretch, Plan)],
@@ -371,6 +392,7 @@ fn sums<S: Space, T: Vectors>(
         values,
     } = work;
     let [first, second, third, fourth, fifth, unknown] = by_rule;
+    values.resize(intervals.len(), 0.0);
     let (intervals, values) = (&intervals[..], &mut values[..]);
     apply::<S, _, 1>(vectors, &RULE_8, first, intervals, plans, values);
     apply::<S, _, 2>(vectors, &RULE_16, second, intervals, plans, values);
@@ -411,16 +433,10 @@ pub(crate) struct Ruler<S> {
 impl<S: Space> Ruler<S> {
     #[inline(always)]
     pub(crate) fn new(cubic: &Cubic<S>) -> Self {
-        let mut plans = [(0, WHOLE, plan(cubic))];
-        if S::DIM > 2 {
-            find_zeros::<S>(&mut plans);
-        } else {
-            let [x, y, _] = plans[0].2.velocity.axes;
-            plans[0].2.zeros = Zeros(plane_zeros([x, y]));
-            plans[0].2.known = true;
-        }
+        let mut plan = plan(cubic);
+        find_own_zeros::<S>(&mut plan);
         Self {
-            plan: plans[0].2,
+            plan,
             waiting: [(0.0, 0.0); HEIGHT],
             space: PhantomData,
         }
@@ -435,20 +451,6 @@ impl<S: Space> Ruler<S> {
             accuracy,
             space: PhantomData,
         }
-    }
-
-    /// The speed at a parameter, and its derivative (0 where the speed is).
-    #[inline(always)]
-    pub(crate) fn motion(&self, x: f64) -> (f64, f64) {
-        let (mut square, mut product) = (0.0, 0.0);
-        for [a, b, c] in &self.plan.velocity.axes[..S::DIM] {
-            let (v, dv) = (a + x * (b + x * c), b + 2.0 * x * c);
-            square += v * v;
-            product += v * dv;
-        }
-        let speed = square.sqrt();
-        let change = if speed > 0.0 { product / speed } else { 0.0 };
-        (speed * self.plan.scale, change * self.plan.scale)
     }
 
     /// The length of a stretch.
@@ -469,6 +471,27 @@ impl<S: Space> Ruler<S> {
     }
 }
 
+/// The sum of one interval by the rule of that number.
+#[inline(always)]
+pub(super) fn apply_one<S: Space, T: Vectors>(
+    vectors: T,
+    plan: &Plan,
+    rule: usize,
+    middle: f64,
+    half: f64,
+    accuracy: f64,
+) -> f64 {
+    let (v, dim) = (&plan.velocity, S::DIM);
+    match rule {
+        0 => sum(vectors, &RULE_8, v, dim, middle, half),
+        1 => sum(vectors, &RULE_16, v, dim, middle, half),
+        2 => sum(vectors, &RULE_24, v, dim, middle, half),
+        3 => sum(vectors, &RULE_32, v, dim, middle, half),
+        4 => sum(vectors, &RULE_40, v, dim, middle, half),
+        _ => by_trial(plan, middle, half, accuracy),
+    }
+}
+
 /// The intervals of a stretch of one cubic.
 pub(crate) struct Intervals<'a, S> {
     cuts: Cuts<'a>,
@@ -482,16 +505,8 @@ impl<S: Space> Intervals<'_, S> {
     #[inline(always)]
     pub(crate) fn next<T: Vectors>(&mut self, vectors: T) -> Option<(f64, f64, f64)> {
         let (rule, middle, half) = self.cuts.next(self.waiting)?;
-        let (plan, dim) = (self.cuts.plan, S::DIM);
-        let v = &plan.velocity;
-        let length = match rule {
-            0 => sum(vectors, &RULE_8, v, dim, middle, half),
-            1 => sum(vectors, &RULE_16, v, dim, middle, half),
-            2 => sum(vectors, &RULE_24, v, dim, middle, half),
-            3 => sum(vectors, &RULE_32, v, dim, middle, half),
-            4 => sum(vectors, &RULE_40, v, dim, middle, half),
-            _ => by_trial(plan, middle, half, self.accuracy),
-        };
+        let plan = self.cuts.plan;
+        let length = apply_one::<S, T>(vectors, plan, rule, middle, half, self.accuracy);
         Some((middle - half, middle + half, length * plan.scale))
     }
 }
@@ -509,7 +524,7 @@ fn by_trial(plan: &Plan, middle: f64, half: f64, accuracy: f64) -> f64 {
     super::gauss::adaptive(&mut speed, from, to, accuracy / plan.scale)
 }
 
-fn plan<S: Space>(cubic: &Cubic<S>) -> Plan {
+pub(super) fn plan<S: Space>(cubic: &Cubic<S>) -> Plan {
     let velocity = Velocity::of(cubic);
     let size = velocity.size();
     let (velocity, scale) = if size > 1e-100 && size < 1e100 || size == 0.0 {
@@ -526,14 +541,26 @@ fn plan<S: Space>(cubic: &Cubic<S>) -> Plan {
     }
 }
 
+/// Finds the zeros of one plan.
+#[inline(always)]
+pub(super) fn find_own_zeros<S: Space>(plan: &mut Plan) {
+    if S::DIM > 2 {
+        let found = space_zeros(&plan.velocity.axes);
+        plan.zeros = Zeros(found.unwrap_or_default());
+        plan.known = found.is_some();
+    } else {
+        let [x, y, _] = plan.velocity.axes;
+        plan.zeros = Zeros(plane_zeros([x, y]));
+        plan.known = true;
+    }
+}
+
 /// Finds the zeros of all plans.
 #[inline(always)]
-fn find_zeros<S: Space>(plans: &mut [(usize, Stretch, Plan)]) {
+pub(super) fn find_zeros<S: Space>(plans: &mut [(usize, Stretch, Plan)]) {
     if S::DIM > 2 {
         for (_, _, plan) in plans {
-            let found = space_zeros(&plan.velocity.axes);
-            plan.zeros = Zeros(found.unwrap_or_default());
-            plan.known = found.is_some();
+            find_own_zeros::<S>(plan);
         }
         return;
     }
@@ -558,14 +585,14 @@ fn find_zeros<S: Space>(plans: &mut [(usize, Stretch, Plan)]) {
 const MARGIN: i64 = -4;
 
 /// Intervals that wait at once at most.
-const HEIGHT: usize = 48;
+pub(super) const HEIGHT: usize = 48;
 
 /// Intervals that wait, the next one last.
-type Waiting = [(f64, f64); HEIGHT];
+pub(super) type Waiting = [(f64, f64); HEIGHT];
 
 /// The intervals of a stretch with their rules, from left to right. (Methods, not closures: those would not be compiled for
 /// the vectors of their caller.)
-struct Cuts<'a> {
+pub(super) struct Cuts<'a> {
     plan: &'a Plan,
     demand: &'a Demand,
     /// The square of the height below which a zero is one on the axis: its corner is rounded by less than matters.
@@ -579,7 +606,7 @@ struct Cuts<'a> {
 
 impl<'a> Cuts<'a> {
     #[inline(always)]
-    fn new(stretch: Stretch, plan: &'a Plan, accuracy: f64) -> Self {
+    pub(super) fn new(stretch: Stretch, plan: &'a Plan, accuracy: f64) -> Self {
         let share = accuracy / plan.size;
         // The exponent of size/accuracy, rounded up.
         let digits = 1024 - (share.to_bits() >> 52) as i64 + MARGIN;
@@ -605,7 +632,7 @@ impl<'a> Cuts<'a> {
 
     /// The next interval: rule, middle, half. The rule is a number beyond the table where zeros are not known.
     #[inline(always)]
-    fn next(&mut self, waiting: &mut Waiting) -> Option<(usize, f64, f64)> {
+    pub(super) fn next(&mut self, waiting: &mut Waiting) -> Option<(usize, f64, f64)> {
         let mut height = self.height?;
         loop {
             let (a, b) = self.at;
@@ -631,10 +658,7 @@ impl<'a> Cuts<'a> {
             // Also where numbers are too coarse to cut, or cuts too many, the largest rule must do.
             let inside = at > a && at < b;
             if !inside || height >= HEIGHT || self.count >= MOST {
-                let mut rule = 0;
-                for limit in &self.demand.smaller {
-                    rule += usize::from(nearest < limit * square);
-                }
+                let rule = self.rule(nearest, square);
                 self.height = Some(height);
                 self.advance(waiting);
                 return Some((rule, middle, half));
@@ -643,6 +667,15 @@ impl<'a> Cuts<'a> {
             self.at = (a, at);
             height += 1;
         }
+    }
+
+    /// The rule that an interval of that squared half-width needs whose nearest zero is that far.
+    #[inline(always)]
+    fn rule(&self, nearest: f64, square: f64) -> usize {
+        let smaller = self.demand.smaller.iter();
+        smaller
+            .map(|limit| usize::from(nearest < limit * square))
+            .sum()
     }
 
     /// How far a zero is from an interval: at least `square` where it lies outside the largest rule's ellipse.

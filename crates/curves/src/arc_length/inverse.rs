@@ -5,14 +5,14 @@
 //! *length* is within the accuracy. Each step adds the length between the last parameter and the next, so that intervals and
 //! with them the work shrink. Many questions are better asked of a [`LengthTable`](super::LengthTable).
 
-use super::cubic::{self, Ruler, Vectors, WHOLE, with_vectors};
+use super::cubic::{self, WHOLE};
 use super::table::{polynomial, quintic};
-use super::{ArcLength, sensible};
-use crate::{Cubic, PiecewiseCubic};
+use super::{ArcLength, search, sensible};
+use crate::PiecewiseCubic;
 use anamorph_core::{Curve, Space};
 
 /// Steps at most; halving alone needs 53 to reach the rounding of the parameter.
-const STEPS: usize = 64;
+pub(super) const STEPS: usize = 64;
 
 /// A curve that finds the parameter at a length.
 pub trait InverseArcLength<S: Space>: ArcLength<S> {
@@ -23,14 +23,36 @@ pub trait InverseArcLength<S: Space>: ArcLength<S> {
 
 /// What the search asks of a curve.
 trait Walk {
-    /// Speed, and its derivative by the parameter.
-    fn motion(&self, u: f64) -> (f64, f64);
+    /// The speed and its first three derivatives by the parameter. A derivative that is not known is 0.
+    fn speeds(&self, u: f64) -> [f64; 4];
     /// The length between two parameters, the first not greater.
     fn between(&mut self, a: f64, b: f64) -> f64;
 }
 
-/// Finds where, between `low` and `high` (parameters with the lengths there), the length is `target`. With the change of speed
-/// a step's error falls with the third power (Halley's method).
+/// How far to go from where the speed and its derivatives are `speeds` to add the length `missing`: the inverse of the length's
+/// series (Lagrange's reversion) up to the fourth power.
+#[inline(always)]
+pub(super) fn step(missing: f64, speeds: [f64; 4]) -> f64 {
+    let slowness = 1.0 / speeds[0];
+    let way = missing * slowness;
+    let (b, c, e) = (
+        speeds[1] * slowness * (1.0 / 2.0),
+        speeds[2] * slowness * (1.0 / 6.0),
+        speeds[3] * slowness * (1.0 / 24.0),
+    );
+    let second = way * b;
+    if second.abs() > 0.25 {
+        // Too far for a series: Halley's method keeps its head.
+        return way / (1.0 + second);
+    }
+    let square = b * b;
+    let third = 2.0 * square - c;
+    let fourth = 5.0 * b * (c - square) - e;
+    way * (1.0 - second + way * way * (third + way * fourth))
+}
+
+/// Finds where, between `low` and `high` (parameters with the lengths there), the length is `target`. With three derivatives
+/// of the speed a step's error falls with the fifth power.
 #[inline(always)]
 fn newton(
     target: f64,
@@ -46,12 +68,12 @@ fn newton(
     // The quintic with the curve's speed and change of speed at both ends, as in tables; where the curve stops, a line.
     let x = ((target - low.1) / width).clamp(0.0, 1.0);
     let du = high.0 - low.0;
-    let end = |(speed, change): (f64, f64)| {
+    let end = |[speed, change, ..]: [f64; 4]| {
         let slope = 1.0 / speed;
         let bend = -change * slope * slope * slope;
         (slope * width / du, bend * width * width / du)
     };
-    let (a, b) = (end(walk.motion(low.0)), end(walk.motion(high.0)));
+    let (a, b) = (end(walk.speeds(low.0)), end(walk.speeds(high.0)));
     let share = polynomial(&quintic(a.0, a.1, b.0, b.1), x);
     let share = if share > 0.0 && share < 1.0 { share } else { x };
     let mut u = low.0 + du * share;
@@ -73,9 +95,7 @@ fn newton(
             high = (u, s);
         }
         known = (u, s);
-        let (speed, change) = walk.motion(u);
-        let step = miss / speed;
-        let next = u - step / (1.0 - 0.5 * step * change / speed);
+        let next = u + step(-miss, walk.speeds(u));
         u = if next > low.0 && next < high.0 {
             next
         } else {
@@ -86,55 +106,6 @@ fn newton(
         }
     }
     u
-}
-
-/// The local parameter of a cubic at the length `s`, with the widest vectors of the processor.
-fn in_cubic<S: Space>(cubic: &Cubic<S>, s: f64, accuracy: f64, before: f64) -> f64 {
-    with_vectors!(vectors => search_in(vectors, cubic, s, accuracy, before))
-}
-
-/// The local parameter of a cubic at the length `s`, where `before` is the length at its start; 1 where it is shorter.
-#[inline(always)]
-fn search_in<S: Space, T: Vectors>(
-    vectors: T,
-    cubic: &Cubic<S>,
-    s: f64,
-    accuracy: f64,
-    mut before: f64,
-) -> f64 {
-    let mut ruler = Ruler::new(cubic);
-    // A quarter of the accuracy for the length so far, half for the search.
-    let mut intervals = ruler.intervals(WHOLE, 0.25 * accuracy);
-    while let Some((from, to, length)) = intervals.next(vectors) {
-        if before + length >= s {
-            let (low, high) = ((from, before), (to, before + length));
-            let mut walk = AlongCubic {
-                ruler: &mut ruler,
-                vectors,
-                accuracy: 0.05 * accuracy,
-            };
-            return newton(s, low, high, 0.5 * accuracy, &mut walk);
-        }
-        before += length;
-    }
-    1.0
-}
-
-struct AlongCubic<'a, S, T> {
-    vectors: T,
-    ruler: &'a mut Ruler<S>,
-    accuracy: f64,
-}
-
-impl<S: Space, T: Vectors> Walk for AlongCubic<'_, S, T> {
-    #[inline(always)]
-    fn motion(&self, u: f64) -> (f64, f64) {
-        self.ruler.motion(u)
-    }
-    #[inline(always)]
-    fn between(&mut self, a: f64, b: f64) -> f64 {
-        self.ruler.length(self.vectors, a, b, self.accuracy)
-    }
 }
 
 impl<S: Space> InverseArcLength<S> for PiecewiseCubic<S> {
@@ -170,20 +141,10 @@ impl<S: Space> InverseArcLength<S> for PiecewiseCubic<S> {
             return end;
         }
         let before = if index == 0 { 0.0 } else { ends[index - 1] };
-        let x = in_cubic(&self.pieces()[index], s, accuracy, before);
+        let x = search::one(&self.pieces()[index], s - before, accuracy);
         let (a, b) = (self.break_at(index), self.break_at(index + 1));
         if x >= 1.0 { b } else { a + (b - a) * x }
     }
-}
-
-/// The local parameters of one cubic Bézier curve at a length from its start.
-pub fn cubic_parameter_at<S: Space>(curve: &[S; 4], s: f64, accuracy: f64) -> f64 {
-    if s.is_nan() || s <= 0.0 {
-        return 0.0;
-    }
-    let cubic = Cubic::from_bezier(*curve);
-    let size = cubic.0[1].length() + cubic.0[2].length() + cubic.0[3].length();
-    in_cubic(&cubic, s, sensible(accuracy, size), 0.0)
 }
 
 /// The same by the generic length, for curves without a faster way.
@@ -191,7 +152,7 @@ macro_rules! by_length {
     ($curve:ty) => {
         impl<S: Space> InverseArcLength<S> for $curve {
             fn parameter_at(&self, s: f64, accuracy: f64) -> f64 {
-                search(self, s, accuracy)
+                by_search(self, s, accuracy)
             }
         }
     };
@@ -200,7 +161,7 @@ by_length!(crate::Bezier<S>);
 by_length!(crate::PiecewiseBezier<S>);
 by_length!(crate::families::Lagrange<S>);
 
-fn search<S: Space, C: ArcLength<S>>(curve: &C, s: f64, accuracy: f64) -> f64 {
+fn by_search<S: Space, C: ArcLength<S>>(curve: &C, s: f64, accuracy: f64) -> f64 {
     let (start, end) = curve.domain();
     if s.is_nan() {
         return start;
@@ -246,10 +207,10 @@ struct Along<'a, S, C> {
 }
 
 impl<S: Space, C: ArcLength<S>> Walk for Along<'_, S, C> {
-    fn motion(&self, u: f64) -> (f64, f64) {
+    fn speeds(&self, u: f64) -> [f64; 4] {
         let jet = self.curve.jet(u);
         let along = jet.first.normalized().unwrap_or(S::ZERO);
-        (jet.first.length(), along.dot(jet.second))
+        [jet.first.length(), along.dot(jet.second), 0.0, 0.0]
     }
     fn between(&mut self, a: f64, b: f64) -> f64 {
         self.curve.length_between(a, b, self.accuracy)

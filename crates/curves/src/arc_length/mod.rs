@@ -10,10 +10,12 @@ mod cubic;
 mod gauss;
 mod inverse;
 pub mod methods;
+mod search;
 mod table;
 mod zeros;
 
-pub use inverse::{InverseArcLength, cubic_parameter_at};
+pub use inverse::InverseArcLength;
+pub use search::{cubic_parameter_at, cubic_parameters_at};
 pub use table::LengthTable;
 
 use crate::families::Lagrange;
