@@ -25,6 +25,13 @@ pub struct Facts<S> {
     /// Weights fall to 0 continuously wherever they end, so that an ambient weight removes a jump at the edge (errata F4).
     /// Those of a lattice do not: they sum to 1 up to the faces of its box.
     pub weights_fade: bool,
+    /// A bound of `‖J − I‖` (spectral norm) wherever the Jacobian `J` exists. Below 1 the determinant is positive; where the
+    /// deformation is continuous, too, it has an inverse (the displacement contracts).
+    pub stretch: Option<f64>,
+    /// Why the Jacobian determinant is positive wherever it exists, where more than a bound is known.
+    pub upright: Option<String>,
+    /// Why no two places have the same image, where more than a bound is known.
+    pub one_to_one: Option<String>,
     /// Sentences a report should carry: which limits are in force, where continuity is lost, what repairs it.
     pub notes: Vec<String>,
 }
@@ -40,7 +47,42 @@ impl<S: Space> Facts<S> {
             weights_follow_targets: false,
             strength_blends: true,
             weights_fade: false,
+            stretch: None,
+            upright: None,
+            one_to_one: None,
             notes: Vec::new(),
+        }
+    }
+
+    /// The bound of `‖J − I‖`: 0 of what moves nothing.
+    pub fn stretch(&self) -> Option<f64> {
+        if self.support == Support::Nowhere {
+            Some(0.0)
+        } else {
+            self.stretch
+        }
+    }
+
+    /// Why the Jacobian determinant is positive wherever it exists, if that is known.
+    pub fn upright(&self) -> Option<String> {
+        match (&self.upright, self.stretch()) {
+            (Some(why), _) => Some(why.clone()),
+            (None, Some(0.0)) => Some("nothing moves".to_owned()),
+            (None, Some(bound)) if bound < 1.0 => Some(format!(
+                "the displacement changes by at most {bound:.3} of the way one goes, which is less than 1"
+            )),
+            _ => None,
+        }
+    }
+
+    /// Why no two places have the same image, if that is known.
+    pub fn one_to_one(&self) -> Option<String> {
+        match (&self.one_to_one, self.stretch()) {
+            (Some(why), _) => Some(why.clone()),
+            (None, Some(bound)) if bound < 1.0 && self.smoothness() > Smoothness::Jump => {
+                self.upright()
+            }
+            _ => None,
         }
     }
 
@@ -129,6 +171,18 @@ pub trait Deformation<S: Space>: Send + Sync {
         false
     }
 
+    /// The place of this index that is moved to `image`, in closed form. `None` where there is no such form, or no such place;
+    /// [`crate::Inverse`] then searches.
+    fn inverse_at(&self, image: &Site<S>) -> Option<S> {
+        let _ = image;
+        None
+    }
+
+    /// The deformations that this one applies one after the other, if it is nothing but that; itself otherwise has none.
+    fn stages(&self) -> &[Box<dyn Deformation<S>>] {
+        &[]
+    }
+
     /// The Jacobian: derivative of the image by the point. `size` is the model's size (diagonal of its bounds) in scene
     /// units, to which the step of the provided central differences is relative. `None` where the deformation depends on
     /// a field that lives on a model.
@@ -181,6 +235,8 @@ macro_rules! forward_deformation {
             fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped { (**self).map_points(first, points) }
             fn keeps_finite(&self) -> bool { (**self).keeps_finite() }
             fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> { (**self).jacobian(site, size) }
+            fn inverse_at(&self, image: &Site<S>) -> Option<S> { (**self).inverse_at(image) }
+            fn stages(&self) -> &[Box<dyn Deformation<S>>] { (**self).stages() }
         }
     )*};
 }
@@ -197,11 +253,20 @@ impl<S: Space> Deformation<S> for Affine<S> {
         } else {
             Support::Everywhere
         };
+        let determinant = self.linear.determinant();
         Facts {
             support,
             translations_only: self.linear == S::Linear::IDENTITY,
+            upright: (determinant > 0.0)
+                .then(|| "an affine map with a positive determinant".to_owned()),
+            one_to_one: self
+                .inverted()
+                .map(|_| "an affine map that is not singular".to_owned()),
             ..Facts::identity()
         }
+    }
+    fn inverse_at(&self, image: &Site<S>) -> Option<S> {
+        self.inverted().map(|inverse| inverse.apply(image.point))
     }
     fn jacobian(&self, _: &Site<S>, _: f64) -> Option<S::Linear> {
         Some(self.linear)
@@ -224,7 +289,31 @@ impl<S: Space> Stack<S> {
     }
 }
 
+/// Two reasons for a property that compositions inherit.
+fn joined(first: Option<String>, second: Option<String>) -> Option<String> {
+    let (first, second) = (first?, second?);
+    if first == second || second == "nothing moves" {
+        Some(first)
+    } else if first == "nothing moves" {
+        Some(second)
+    } else {
+        Some(format!("{first}; {second}"))
+    }
+}
+
 impl<S: Space> Deformation<S> for Stack<S> {
+    fn inverse_at(&self, image: &Site<S>) -> Option<S> {
+        let mut here = *image;
+        for part in self.parts.iter().rev() {
+            here.point = part.inverse_at(&here)?;
+        }
+        Some(here.point)
+    }
+
+    fn stages(&self) -> &[Box<dyn Deformation<S>>] {
+        &self.parts
+    }
+
     fn map(&self, site: &Site<S>) -> S {
         self.parts.iter().fold(site.point, |point, part| {
             part.map(&Site::new(site.index, point))
@@ -241,6 +330,15 @@ impl<S: Space> Deformation<S> for Stack<S> {
             alone = false;
             // A later part sees moved points: its edge lies somewhere inside, so only the weaker class is known.
             let class = facts.smoothness().min(next.smoothness());
+            let (upright, one_to_one, stretch) = (
+                joined(facts.upright(), next.upright()),
+                joined(facts.one_to_one(), next.one_to_one()),
+                // ‖J₂J₁ − I‖ ≤ ‖J₂ − I‖ ‖J₁‖ + ‖J₁ − I‖.
+                facts
+                    .stretch()
+                    .zip(next.stretch())
+                    .map(|(a, b)| b * (1.0 + a) + a),
+            );
             facts.inside = class;
             facts.edge = class;
             facts.support = match (facts.support, next.support) {
@@ -252,6 +350,7 @@ impl<S: Space> Deformation<S> for Stack<S> {
             facts.weights_follow_targets |= next.weights_follow_targets;
             facts.strength_blends = false;
             facts.weights_fade = false;
+            (facts.upright, facts.one_to_one, facts.stretch) = (upright, one_to_one, stretch);
             facts.notes.extend(next.notes);
         }
         if !alone {
@@ -334,6 +433,15 @@ pub(crate) fn blend<S: Space>(p: S, moved: S, m: f64) -> S {
 /// The facts of `facts` blended by `mask`.
 pub(crate) fn masked_facts<S: Space>(mut facts: Facts<S>, mask: &dyn Field<S>) -> Facts<S> {
     let inner_edge = facts.edge;
+    match mask.constant() {
+        Some(1.0) => {}
+        constant => {
+            facts.stretch = constant
+                .zip(facts.stretch())
+                .map(|(m, bound)| m.abs() * bound);
+            (facts.upright, facts.one_to_one) = (None, None);
+        }
+    }
     facts.inside = facts.inside.min(mask.smoothness());
     let support = facts.support.intersection(mask.support());
     if support != facts.support {
@@ -374,6 +482,14 @@ impl<S: Space> Deformation<S> for Masked<S> {
 
     fn keeps_finite(&self) -> bool {
         self.mask.constant() != Some(1.0) || self.deformation.keeps_finite()
+    }
+
+    fn inverse_at(&self, image: &Site<S>) -> Option<S> {
+        match self.mask.constant() {
+            Some(1.0) => self.deformation.inverse_at(image),
+            Some(0.0) => Some(image.point),
+            _ => None,
+        }
     }
 
     fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> {

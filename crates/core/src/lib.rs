@@ -36,6 +36,7 @@ mod deformation;
 mod engine;
 mod field;
 pub mod guarantees;
+mod inverse;
 mod marks;
 pub mod math;
 mod model;
@@ -58,6 +59,7 @@ pub use deformation::{
 pub use engine::map_all_parallel;
 pub use engine::{map_all, map_all_f32};
 pub use field::{Domain, Field, Smoothness, Support};
+pub use inverse::{Inverse, Inversion};
 pub use marks::{Mark, Role, Shape};
 pub use model::{Bounds, Site};
 pub use space::{Linear, Plane, Solid, Space};

@@ -212,6 +212,10 @@ impl<S: Space> Deformation<S> for Modulated<S> {
         if let Some(strength) = &self.strength {
             facts = masked_facts(facts, strength);
         }
+        if !self.neutral() && (self.weight.is_some() || self.ambient.is_some() || !self.blends) {
+            // What is known was known of other weights, or of full strength.
+            (facts.stretch, facts.upright, facts.one_to_one) = (None, None, None);
+        }
         if let Some(weight) = &self.weight {
             facts.inside = facts.inside.min(weight.smoothness());
             facts.weights_fade &= weight.smoothness() > Smoothness::Jump;
@@ -265,6 +269,10 @@ impl<S: Space> Deformation<S> for Modulated<S> {
         } else {
             self.blending_strength().is_some()
         }
+    }
+
+    fn inverse_at(&self, image: &Site<S>) -> Option<S> {
+        self.neutral().then(|| self.warp.inverse_at(image))?
     }
 
     fn jacobian(&self, site: &Site<S>, size: f64) -> Option<S::Linear> {

@@ -116,6 +116,31 @@ impl Law for Axial {
     fn notes(&self) -> Vec<String> {
         range_note(self.range.as_ref())
     }
+    fn upright(&self) -> Option<String> {
+        let range = self.range.as_ref();
+        let positive = self.factors.iter().all(|f| f.is_positive(range));
+        let level = self.shifts[2].is_level();
+        (positive && level).then(|| {
+            "every slice across the axis is scaled by positive factors, turned and shifted as a whole"
+                .to_owned()
+        })
+    }
+    fn inverse(&self, q: [f64; 3]) -> Option<[f64; 3]> {
+        if !self.shifts[2].is_level() {
+            return None;
+        }
+        let z = q[2] - self.shifts[2].value_and_slope(q[2]).0;
+        let limited = limited(self.range.as_ref(), z).0;
+        let value = |course: &Course| course.value_and_slope(limited).0;
+        let (x, y) = (q[0] - value(&self.shifts[0]), q[1] - value(&self.shifts[1]));
+        let (sin, cos) = math::sin_cos(value(&self.turn));
+        let back = [
+            (x * cos + y * sin) / value(&self.factors[0]),
+            (y * cos - x * sin) / value(&self.factors[1]),
+            z,
+        ];
+        back.iter().all(|c| c.is_finite()).then_some(back)
+    }
     fn is_identity(&self) -> bool {
         self.factors.iter().all(|f| f.is_constant(1.0))
             && self.turn.is_constant(0.0)

@@ -159,6 +159,16 @@ pub trait Law: Send + Sync {
     fn notes(&self) -> Vec<String>;
     /// Whether the transformation is the identity for every `z`.
     fn is_identity(&self) -> bool;
+    /// Why every slice across the axis stays a slice, shifted along it by the same distance as all others, and is mapped one-to-one
+    /// without being turned over, if that is so.
+    fn upright(&self) -> Option<String> {
+        None
+    }
+    /// The local point whose image is `q`, where there is a closed form.
+    fn inverse(&self, q: [f64; 3]) -> Option<[f64; 3]> {
+        let _ = q;
+        None
+    }
 }
 
 /// A Barr deformation: a [`Law`] about an axis.
@@ -310,9 +320,20 @@ impl<S: Space, L: Law> Deformation<S> for AxialWarp<S, L> {
             edge: class,
             translations_only: false,
             strength_blends: self.scaling == Scaling::Displacement,
+            upright: self.law.upright(),
+            one_to_one: self.law.upright(),
             notes: self.law.notes(),
             ..Facts::identity()
         }
+    }
+
+    fn inverse_at(&self, image: &Site<S>) -> Option<S> {
+        let q = self.frame.local(image.point);
+        let back = self.law.inverse(q)?;
+        // The difference back, so that what does not move keeps its bits.
+        let e = &self.frame.basis;
+        let by = (0..3).fold(S::ZERO, |sum, i| sum + e[i] * (back[i] - q[i]));
+        Some(image.point.moved_by(by))
     }
 }
 
@@ -473,6 +494,29 @@ impl Course {
             Self::Polynomial(_) | Self::Linear { .. } => Smoothness::Smooth,
             Self::Drawn { profile, .. } => profile.smoothness(),
         }
+    }
+
+    /// Whether the value is certainly greater than 0 for all coordinates of a range, or everywhere without one.
+    pub fn is_positive(&self, range: Option<&AxisRange>) -> bool {
+        match (self, range) {
+            (Self::Linear { .. }, Some(range)) => {
+                // Limits that round the ends off stay between them.
+                self.value_and_slope(range.min()).0 > 0.0
+                    && self.value_and_slope(range.max()).0 > 0.0
+            }
+            (Self::Linear { start, slope, .. }, None) => *slope == 0.0 && *start > 0.0,
+            (Self::Polynomial(c), _) => {
+                c.first().is_some_and(|&c| c > 0.0) && c.iter().skip(1).all(|&c| c == 0.0)
+            }
+            (Self::Drawn { profile, scale, .. }, _) => {
+                profile.as_constant().is_some_and(|c| c * scale > 0.0)
+            }
+        }
+    }
+
+    /// Whether the value is the same everywhere.
+    pub fn is_level(&self) -> bool {
+        self.is_constant(self.value_and_slope(0.0).0)
     }
 
     /// Whether the value is `value` everywhere.

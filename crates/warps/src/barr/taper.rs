@@ -79,6 +79,18 @@ impl Law for Taper {
     fn notes(&self) -> Vec<String> {
         range_note(self.range.as_ref())
     }
+    fn upright(&self) -> Option<String> {
+        let positive = self.factor.is_positive(self.range.as_ref());
+        positive.then(|| "every slice across the axis is scaled by a positive factor".to_owned())
+    }
+    fn inverse(&self, q: [f64; 3]) -> Option<[f64; 3]> {
+        let factor = self
+            .factor
+            .value_and_slope(limited(self.range.as_ref(), q[2]).0)
+            .0;
+        let back = [q[0] / factor, q[1] / factor, q[2]];
+        back.iter().all(|c| c.is_finite()).then_some(back)
+    }
     fn is_identity(&self) -> bool {
         self.factor.is_constant(1.0)
     }

@@ -88,6 +88,17 @@ impl Law for Twist {
     fn notes(&self) -> Vec<String> {
         range_note(self.range.as_ref())
     }
+    fn upright(&self) -> Option<String> {
+        Some("every slice across the axis is turned as a whole".to_owned())
+    }
+    fn inverse(&self, q: [f64; 3]) -> Option<[f64; 3]> {
+        let angle = self
+            .angle
+            .value_and_slope(limited(self.range.as_ref(), q[2]).0)
+            .0;
+        let (sin, cos) = math::sin_cos(angle);
+        Some([q[0] * cos + q[1] * sin, q[1] * cos - q[0] * sin, q[2]])
+    }
     fn is_identity(&self) -> bool {
         self.angle.is_constant(0.0)
     }

@@ -73,6 +73,11 @@ impl<S: Space> Vortex<S> {
             .value(self.across(site.point - self.centre).length() / self.radius)
     }
 
+    /// Whether angles, not displacements, are scaled: then distances from the axis stay.
+    fn turns(&self) -> bool {
+        self.scaling == Scaling::Composition
+    }
+
     fn turned(&self, angle: f64) -> Affine<S> {
         Affine::about(self.centre, S::rotation(self.axis, angle), S::ZERO)
     }
@@ -144,6 +149,8 @@ impl<S: Space> Deformation<S> for Vortex<S> {
         {
             return Facts::identity();
         }
+        let turns = self.turns();
+        let why = || "every circle about the axis is turned as a whole".to_owned();
         let class = self.falloff.smoothness();
         let inside = if class == Smoothness::Jump {
             class
@@ -164,8 +171,19 @@ impl<S: Space> Deformation<S> for Vortex<S> {
             edge: inside,
             translations_only: false,
             strength_blends: self.scaling == Scaling::Displacement,
+            upright: turns.then(why),
+            one_to_one: turns.then(why),
             ..Facts::identity()
         }
+    }
+
+    fn inverse_at(&self, image: &Site<S>) -> Option<S> {
+        if !self.turns() {
+            return None;
+        }
+        // The distance from the axis stays, and with it the angle.
+        let strength = self.strength(image);
+        Some(self.turned(-self.angle * strength).apply(image.point))
     }
 }
 

@@ -95,9 +95,20 @@ impl<S: Space> BernsteinLattice<S> {
             edge,
             "the outer k + 1 planes of control points must stay for C^k",
         );
+        // A derivative is a Bernstein polynomial of the differences of neighbours, times the degree: an average of them.
+        let by_local = core::array::from_fn(|axis| {
+            if axis >= S::DIM {
+                return 0.0;
+            }
+            #[allow(clippy::cast_precision_loss)]
+            let spacing = 1.0 / (self.grid.shape()[axis].max(2) - 1) as f64;
+            self.grid
+                .steepest(axis, |flat| self.displacements[flat], |_| spacing)
+        });
         Facts {
             support: self.grid.support(),
             edge,
+            stretch: Some(self.grid.stretch(by_local)),
             ..Facts::identity()
         }
         .with_note(note)

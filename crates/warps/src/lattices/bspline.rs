@@ -254,13 +254,55 @@ impl<S: Space> BsplineLattice<S> {
         let moves = |flat: usize| self.padded[flat][..S::DIM].to_vec();
         let edge = face_smoothness(&self.grid, inside, scale, derivative, &moves);
         let note = lattice_note(edge, "the control points that reach a face must stay");
+        // The derivative of a spline is a spline of the divided differences at Greville's abscissae: an average of them.
+        let by_local = core::array::from_fn(|axis| {
+            if axis >= S::DIM {
+                return 0.0;
+            }
+            let greville = &self.greville[axis];
+            let spacing = |index: usize| greville[index + 1] - greville[index];
+            self.grid
+                .steepest(axis, |flat| self.displacements[flat], spacing)
+        });
+        let upright = self.small_moves();
+        let one_to_one = upright.clone().filter(|_| edge > Smoothness::Jump);
         Facts {
             support: self.grid.support(),
             inside,
             edge,
+            stretch: Some(self.grid.stretch(by_local)),
+            upright,
+            one_to_one,
             ..Facts::identity()
         }
         .with_note(note)
+    }
+
+    /// The sufficient condition of Choi and Lee (2000) for cubic B-splines with uniform knots: along each edge of the lattice, control
+    /// points move less than about 0.48 of their distance in the plane, 0.40 in space.
+    fn small_moves(&self) -> Option<String> {
+        const PLANE: f64 = 1.0 / 2.046_392_675;
+        const SPACE: f64 = 1.0 / 2.479_472_335;
+        let limit = if S::DIM == 2 { PLANE } else { SPACE };
+        let gradients = self.grid.local_gradients();
+        if self.degree != 3 {
+            return None;
+        }
+        for axis in 0..S::DIM {
+            let greville = &self.greville[axis];
+            let spacing = greville[1] - greville[0];
+            let uniform = greville
+                .windows(2)
+                .all(|w| (w[1] - w[0] - spacing).abs() <= 1e-9 * spacing);
+            let along = |d: &S| gradients.column(axis).dot(*d).abs();
+            let farthest = self.displacements.iter().map(along).fold(0.0, f64::max);
+            if !uniform || farthest >= limit * spacing {
+                return None;
+            }
+        }
+        Some(format!(
+            "every control point moves less than {limit:.3} of the lattice's spacing along each edge (Choi and Lee 2000)"
+        ))
     }
 
     /// First control point and basis values along each axis; one value of 1 for an axis the space lacks.

@@ -89,6 +89,47 @@ impl<S: Space> Grid<S> {
         })
     }
 
+    /// A bound of the norm of the displacement's derivative by the point, from bounds of the lengths of its derivatives by each
+    /// local coordinate: they are the columns of a matrix whose rows are turned and scaled by the local coordinates' gradients.
+    pub(crate) fn stretch(&self, by_local: [f64; 3]) -> f64 {
+        let gradients = self.local_gradients();
+        let lengths = (0..S::DIM).map(|axis| by_local[axis] * gradients.column(axis).length());
+        let square = (0..S::DIM).all(|a| {
+            (0..a).all(|b| {
+                let (a, b) = (gradients.column(a), gradients.column(b));
+                a.dot(b).abs() <= 1e-12 * a.length() * b.length()
+            })
+        });
+        // Along orthogonal gradients lengths add as sides of a right angle; a little more for rounding.
+        let bound = if square {
+            lengths.map(|l| l * l).sum::<f64>().sqrt()
+        } else {
+            lengths.sum()
+        };
+        bound * (1.0 + 1e-9)
+    }
+
+    /// The largest distance between the displacements of neighbours along an axis, each divided by `spacing(index)` of the first.
+    pub(crate) fn steepest(
+        &self,
+        axis: usize,
+        displacement: impl Fn(usize) -> S,
+        spacing: impl Fn(usize) -> f64,
+    ) -> f64 {
+        (0..self.len())
+            .filter_map(|flat| {
+                let triple = self.triple(flat);
+                if triple[axis] + 1 >= self.shape[axis] {
+                    return None;
+                }
+                let mut next = triple;
+                next[axis] += 1;
+                let apart = displacement(self.flat(next)).distance(displacement(flat));
+                Some(apart / spacing(triple[axis]))
+            })
+            .fold(0.0, f64::max)
+    }
+
     /// An axis-parallel box. An axis without extent (a flat model) gets an edge of the length of the diagonal, centred,
     /// so that every model has a lattice around it.
     ///

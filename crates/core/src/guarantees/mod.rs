@@ -3,7 +3,17 @@
 //! *Source*: Milliron et al. 2002, §7 (commutativity, interpolation, continuity, invertibility); errata F3, F4, F15.
 //! A verdict is *proved*, *refuted* by a witness, or *unknown*; a sampled search can refute, never prove.
 
-use crate::{Condition, Deformation, Linear, Site, Smoothness, Space, Warp};
+mod commutation;
+mod folds;
+mod inversion;
+mod jumps;
+
+pub use commutation::commutation;
+pub use folds::{no_fold, safe_strength};
+pub use inversion::invertibility;
+pub use jumps::{ambient_repair, continuity_of};
+
+use crate::{Condition, Deformation, Influences, Site, Smoothness, Space, Warp};
 
 /// A property one may want of a deformation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,6 +22,8 @@ pub enum Property {
     Interpolation,
     /// The moved point is continuous in space (class named in the statement).
     Continuity,
+    /// Every point of the model has a feature that tells it where to go (errata F14).
+    Coverage,
     /// The Jacobian determinant is positive: no fold-over.
     NoFold,
     /// The deformation has an inverse.
@@ -22,8 +34,9 @@ pub enum Property {
 
 impl Property {
     /// Every property, in the order of a report.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Interpolation,
+        Self::Coverage,
         Self::Continuity,
         Self::NoFold,
         Self::Invertibility,
@@ -35,6 +48,7 @@ impl Property {
         match self {
             Self::Interpolation => "interpolation",
             Self::Continuity => "continuity",
+            Self::Coverage => "coverage",
             Self::NoFold => "no fold",
             Self::Invertibility => "invertibility",
             Self::Commutation => "commutation",
@@ -69,8 +83,21 @@ impl Verdict {
 pub struct Witness<S> {
     /// The place before the deformation.
     pub place: S,
-    /// The measured number there (an error in scene units, a determinant).
+    /// The measured number there (an error in scene units, a determinant, a jump in scene units).
     pub value: f64,
+    /// A second place that belongs to it: the other side of a jump, the other place with the same image.
+    pub other: Option<S>,
+}
+
+impl<S> Witness<S> {
+    /// A number at a place.
+    pub fn new(place: S, value: f64) -> Self {
+        Self {
+            place,
+            value,
+            other: None,
+        }
+    }
 }
 
 /// One property, decided.
@@ -84,6 +111,8 @@ pub struct Guarantee<S> {
     pub statement: String,
     /// A place that shows a refutation, or the worst place found.
     pub witness: Option<Witness<S>>,
+    /// What else was found out, as a name and a sentence each: how strong the warp may be, what repairs it at which price.
+    pub details: Vec<(&'static str, String)>,
 }
 
 impl<S> Guarantee<S> {
@@ -98,31 +127,44 @@ impl<S> Guarantee<S> {
             verdict,
             statement: statement.into(),
             witness,
+            details: Vec::new(),
         }
+    }
+
+    /// Adds what else was found out.
+    #[must_use]
+    pub fn with_detail(mut self, name: &'static str, sentence: impl Into<String>) -> Self {
+        self.details.push((name, sentence.into()));
+        self
     }
 }
 
-/// Continuity from the declared facts (§7.3 with errata F4). Declared classes are lower bounds.
+/// Continuity from the declared facts (§7.3 with errata F4), of all three kinds. Declared classes are lower bounds.
 pub fn continuity<S: Space, D: Deformation<S> + ?Sized>(deformation: &D) -> Guarantee<S> {
     let facts = deformation.facts();
-    let (verdict, statement) = if deformation.domain() == crate::Domain::Model {
-        (
-            Verdict::Unknown,
-            "depends on a field that lives on the model: no continuity in space can be stated"
-                .to_owned(),
-        )
-    } else if facts.inside == Smoothness::Jump {
-        (
+    let guarantee =
+        |verdict, statement: String| Guarantee::new(Property::Continuity, verdict, statement, None);
+    if deformation.domain() == crate::Domain::Model {
+        let statement =
+            "depends on a field that lives on the model: no continuity in space can be stated";
+        return guarantee(Verdict::Unknown, statement.to_owned()).with_detail(
+            "with respect to the model",
+            "as continuous over the model as the values that the model carries",
+        );
+    }
+    let class = facts.smoothness();
+    let found = if facts.inside == Smoothness::Jump {
+        guarantee(
             Verdict::Unknown,
             "may jump: a field of the warp is not continuous".to_owned(),
         )
     } else if facts.inside == facts.edge {
-        (
+        guarantee(
             Verdict::Proved,
             format!("at least {} everywhere", facts.inside),
         )
     } else if facts.edge == Smoothness::Jump {
-        (
+        guarantee(
             Verdict::Unknown,
             format!(
                 "at least {} inside its support; may jump at the edge of the support",
@@ -130,7 +172,7 @@ pub fn continuity<S: Space, D: Deformation<S> + ?Sized>(deformation: &D) -> Guar
             ),
         )
     } else {
-        (
+        guarantee(
             Verdict::Proved,
             format!(
                 "at least {} inside its support and {} across its edge",
@@ -138,7 +180,53 @@ pub fn continuity<S: Space, D: Deformation<S> + ?Sized>(deformation: &D) -> Guar
             ),
         )
     };
-    Guarantee::new(Property::Continuity, verdict, statement, None)
+    if class == Smoothness::Jump {
+        return found;
+    }
+    found
+        .with_detail(
+            "deforming function",
+            format!("at least {class} with respect to space"),
+        )
+        .with_detail(
+            "deformed model",
+            match class {
+                Smoothness::Smooth => "as continuous as the model itself".to_owned(),
+                _ => format!("a model that is {class} or better stays at least {class}"),
+            },
+        )
+        .with_detail(
+            "with respect to the model",
+            format!("along the model the deforming function is as continuous as the model, up to {class}"),
+        )
+}
+
+/// Whether every point of a model is told where to go: where all weights vanish, the model stays behind (errata F4, F14).
+pub fn coverage<S: Space, W: Warp<S> + ?Sized>(warp: &W, points: &[S]) -> Guarantee<S> {
+    let mut list = Influences::default();
+    let (mut uncovered, mut first) = (0_usize, None);
+    for (index, &place) in points.iter().enumerate() {
+        list.clear();
+        warp.influences(&Site::new(index, place), &mut list);
+        // A weight that follows the displacement is finished later; what has a term is told where to go.
+        if !list.list.iter().any(|i| i.weight > 0.0) {
+            uncovered += 1;
+            first = first.or(Some(Witness::new(place, 0.0)));
+        }
+    }
+    let count = points.len();
+    if count == 0 {
+        let statement = "not examined: no points were given";
+        return Guarantee::new(Property::Coverage, Verdict::Unknown, statement, None);
+    }
+    if uncovered == 0 {
+        let statement = format!("all {count} points of the model feel a feature");
+        return Guarantee::new(Property::Coverage, Verdict::Proved, statement, None);
+    }
+    let statement = format!(
+        "{uncovered} of {count} points of the model feel no feature and stay where they are"
+    );
+    Guarantee::new(Property::Coverage, Verdict::Refuted, statement, first)
 }
 
 /// Interpolation by measuring every condition the warp names (errata F15). `size` is the model's size in scene units; an
@@ -161,25 +249,13 @@ pub fn interpolation_of<S: Space, D: Deformation<S> + ?Sized>(
         let statement = "a field lives on the model, so that the warp has no value at its features";
         return Guarantee::new(Property::Interpolation, Verdict::Unknown, statement, None);
     }
-    let mut worst = (
-        0_u32,
-        Witness {
-            place: conditions[0].source,
-            value: -1.0,
-        },
-    );
+    let mut worst = (0_u32, Witness::new(conditions[0].source, -1.0));
     for condition in conditions {
         let error = deformation
             .map(&Site::anywhere(condition.source))
             .distance(condition.target);
         if error > worst.1.value || error.is_nan() {
-            worst = (
-                condition.feature,
-                Witness {
-                    place: condition.source,
-                    value: error,
-                },
-            );
+            worst = (condition.feature, Witness::new(condition.source, error));
         }
     }
     let (feature, witness) = worst;
@@ -207,48 +283,6 @@ pub fn interpolation_of<S: Space, D: Deformation<S> + ?Sized>(
         statement,
         Some(witness),
     )
-}
-
-/// Fold-over by the Jacobian determinants at a model's points: a determinant that is not positive refutes; otherwise the
-/// question stays open, with the smallest determinant found.
-pub fn no_fold<S: Space, D: Deformation<S> + ?Sized>(
-    deformation: &D,
-    points: &[S],
-    size: f64,
-) -> Guarantee<S> {
-    let mut worst: Option<Witness<S>> = None;
-    for (index, &place) in points.iter().enumerate() {
-        let Some(jacobian) = deformation.jacobian(&Site::new(index, place), size) else {
-            let statement = "depends on a field that lives on the model: there is no Jacobian";
-            return Guarantee::new(Property::NoFold, Verdict::Unknown, statement, None);
-        };
-        let value = jacobian.determinant();
-        if worst.is_none_or(|w| value < w.value || w.value.is_nan()) {
-            worst = Some(Witness { place, value });
-        }
-    }
-    match worst {
-        None => Guarantee::new(
-            Property::NoFold,
-            Verdict::Unknown,
-            "not examined: no points were given",
-            None,
-        ),
-        Some(w) if w.value <= 0.0 => {
-            let statement = format!(
-                "folds: the Jacobian determinant is {} at a point of the model",
-                rounded(w.value)
-            );
-            Guarantee::new(Property::NoFold, Verdict::Refuted, statement, worst)
-        }
-        Some(w) => {
-            let statement = format!(
-                "no fold at the model's points: smallest Jacobian determinant {}",
-                rounded(w.value)
-            );
-            Guarantee::new(Property::NoFold, Verdict::Unknown, statement, worst)
-        }
-    }
 }
 
 /// Properties that no search has been made for.
