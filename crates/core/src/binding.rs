@@ -4,7 +4,15 @@
 //! weighted sum that any new targets can use. Direct and bound evaluation share [`Warp::combine`], so that they agree
 //! bit for bit.
 
-use crate::{Influence, Influences, Site, Space, Unmapped, Warp};
+use crate::{
+    Average, Deformation, Domain, Facts, Influence, Influences, Site, Smoothness, Space, Unmapped,
+    Warp,
+};
+
+/// Sites at which a binding is compared with a warp, at most.
+const COMPARED: usize = 256;
+/// Sites from which the size of a binding is estimated, at most.
+const WEIGHED: usize = 1024;
 
 /// The influences of every site of one model.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -58,6 +66,111 @@ impl Binding {
         }
     }
 
+    /// The influences of all sites, one site after the other.
+    pub fn influences(&self) -> &[Influence] {
+        &self.influences
+    }
+    /// The logarithmic scale of a site's weights, see [`Influences::log_scale`].
+    pub fn log_scale(&self, index: usize) -> f64 {
+        self.log_scales.get(index).copied().unwrap_or(0.0)
+    }
+
+    /// A binding from what [`Binding::site`], [`Binding::influences`] and [`Binding::log_scale`] told of another: how many influences
+    /// each site has, all of them, and the scales (one a site, or none). `None` where the numbers do not fit together.
+    pub fn from_parts(
+        counts: &[u32],
+        influences: Vec<Influence>,
+        log_scales: Vec<f64>,
+    ) -> Option<Self> {
+        if !(log_scales.is_empty() || log_scales.len() == counts.len()) {
+            return None;
+        }
+        let mut offsets = Vec::with_capacity(counts.len() + 1);
+        let mut end = 0_usize;
+        offsets.push(end);
+        for &count in counts {
+            end = end.checked_add(count as usize)?;
+            offsets.push(end);
+        }
+        (end == influences.len()).then_some(Self {
+            offsets,
+            influences,
+            log_scales,
+        })
+    }
+
+    /// Bytes of memory that a binding of a warp to these points takes for each, estimated from some of them.
+    pub fn bytes_per_point<S: Space, W: Warp<S> + ?Sized>(warp: &W, rest: &[S]) -> f64 {
+        let step = rest.len().div_ceil(WEIGHED).max(1);
+        let mut list = Influences::default();
+        let (mut count, mut sites) = (0_usize, 0_usize);
+        for (index, &point) in rest.iter().enumerate().step_by(step) {
+            list.clear();
+            warp.influences(&Site::new(index, point), &mut list);
+            count += list.list.len();
+            sites += 1;
+        }
+        #[allow(clippy::cast_precision_loss)]
+        let each = count as f64 / sites.max(1) as f64;
+        #[allow(clippy::cast_precision_loss)]
+        let (influence, offset) = (size_of::<Influence>() as f64, size_of::<usize>() as f64);
+        each * influence + offset
+    }
+
+    /// The first site, of some that are spread over the model, whose influences are no longer those that were bound: then the sources or
+    /// fields of the warp have changed, or the model has.
+    pub fn outdated<S: Space, W: Warp<S> + ?Sized>(&self, warp: &W, rest: &[S]) -> Option<usize> {
+        if rest.len() != self.len() {
+            return Some(rest.len().min(self.len()));
+        }
+        let step = rest.len().div_ceil(COMPARED).max(1);
+        let mut list = Influences::default();
+        let sites = rest.iter().enumerate().step_by(step);
+        sites
+            .map(|(index, &point)| {
+                list.clear();
+                warp.influences(&Site::new(index, point), &mut list);
+                (index, self.agrees(index, &list))
+            })
+            .find(|(_, agrees)| !agrees)
+            .map(|(index, _)| index)
+    }
+
+    /// Whether a site has these influences, but for such as were dropped.
+    fn agrees(&self, index: usize, list: &Influences) -> bool {
+        let mut all = list.list.iter();
+        list.log_scale.to_bits() == self.log_scale(index).to_bits()
+            && self
+                .site(index)
+                .iter()
+                .all(|kept| all.any(|influence| influence == kept))
+    }
+
+    /// Without those influences whose share of their site's weight is less than `share`. Only of warps whose weights ignore the targets,
+    /// and are normalized; of others nothing is dropped. A site keeps at least its largest.
+    #[must_use]
+    pub fn without_shares_below<S: Space, W: Warp<S> + ?Sized>(self, warp: &W, share: f64) -> Self {
+        if warp.facts().weights_follow_targets || warp.average() == Average::Plain {
+            return self;
+        }
+        let mut kept = Self {
+            offsets: vec![0],
+            influences: Vec::new(),
+            log_scales: self.log_scales.clone(),
+        };
+        for index in 0..self.len() {
+            let site = self.site(index);
+            let total: f64 = site.iter().map(|i| i.weight).sum();
+            let largest = site.iter().map(|i| i.weight).fold(0.0, f64::max);
+            let heavy = |i: &&Influence| {
+                !total.is_finite() || i.weight >= share * total || i.weight == largest
+            };
+            kept.influences.extend(site.iter().filter(heavy));
+            kept.offsets.push(kept.influences.len());
+        }
+        kept
+    }
+
     /// Moves points, which stand at the indices they were bound with, by `warp`, whose targets and transformations may
     /// have changed since. Points beyond the bound ones stay and are named.
     pub fn map_points<S: Space, W: Warp<S> + ?Sized>(
@@ -76,9 +189,194 @@ impl Binding {
             }
             list.clear();
             list.list.extend_from_slice(self.site(index));
-            list.log_scale = self.log_scales.get(index).copied().unwrap_or(0.0);
+            list.log_scale = self.log_scale(index);
             *point = warp.combine(*point, &list);
         }
         unmapped
+    }
+}
+
+/// A warp bound to a model: a deformation that moves the model's points, at the indices they were bound with, by the saved influences
+/// and the warp's present targets.
+pub struct Bound<W> {
+    warp: W,
+    binding: Binding,
+}
+
+impl<W> Bound<W> {
+    /// The warp with its binding.
+    pub fn new(warp: W, binding: Binding) -> Self {
+        Self { warp, binding }
+    }
+    /// The binding.
+    pub fn binding(&self) -> &Binding {
+        &self.binding
+    }
+}
+
+impl<S: Space, W: Warp<S>> Deformation<S> for Bound<W> {
+    fn map(&self, site: &Site<S>) -> S {
+        let mut point = [site.point];
+        let _ = self.binding.map_points(&self.warp, site.index, &mut point);
+        point[0]
+    }
+
+    fn facts(&self) -> Facts<S> {
+        // Influences live on the model: as functions of space nothing is known of them.
+        let facts = self.warp.facts();
+        Facts {
+            inside: Smoothness::Jump,
+            edge: Smoothness::Jump,
+            stretch: None,
+            upright: None,
+            one_to_one: None,
+            ..facts
+        }
+    }
+
+    fn domain(&self) -> Domain {
+        Domain::Model
+    }
+
+    fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+        self.binding.map_points(&self.warp, first, points)
+    }
+
+    /// `D(u)⁻¹` where weights ignore the targets (errata F16); `None` where `D(u)` is singular, or where weights follow targets.
+    fn inverse_at(&self, image: &Site<S>) -> Option<S> {
+        if self.warp.facts().weights_follow_targets {
+            return None;
+        }
+        let influences = Influences {
+            list: self.binding.site(image.index).to_vec(),
+            log_scale: self.binding.log_scale(image.index),
+        };
+        let forward = crate::warp::deforming_function_of(&self.warp, image.point, &influences);
+        forward.inverted().map(|inverse| inverse.apply(image.point))
+    }
+}
+
+/// What tells models apart: a number made of all coordinates and their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fingerprint(pub u64);
+
+impl Fingerprint {
+    /// The fingerprint of a model's points: FNV-1a (Fowler, Noll and Vo) over the number of points and the bits of their coordinates.
+    pub fn of<S: Space>(points: &[S]) -> Self {
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        let mut add = |word: u64| {
+            for byte in word.to_le_bytes() {
+                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+            }
+        };
+        add(points.len() as u64);
+        for point in points {
+            for axis in 0..S::DIM {
+                add(point.component(axis).to_bits());
+            }
+        }
+        Self(hash)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Affine, Solid, Term, Terms, map_all};
+    use glam::dvec3;
+
+    struct Near(Solid);
+    impl crate::Field<Solid> for Near {
+        fn value(&self, site: &Site<Solid>) -> f64 {
+            1.0 / (0.1 + Space::distance(site.point, self.0))
+        }
+        fn support(&self) -> crate::Support<Solid> {
+            crate::Support::Everywhere
+        }
+        fn smoothness(&self) -> Smoothness {
+            Smoothness::C(0)
+        }
+    }
+
+    fn warp(by: f64) -> Terms<Solid> {
+        let term = |centre: Solid, by: Solid| Term::new(Affine::translation(by), 1.0, Near(centre));
+        Terms::new(vec![
+            term(Solid::ZERO, dvec3(by, 0.0, 0.0)),
+            term(Solid::ONE, dvec3(0.0, by, 0.0)),
+            term(Solid::X * 100.0, dvec3(0.0, 0.0, by)),
+        ])
+    }
+
+    fn rest() -> Vec<Solid> {
+        (0..50)
+            .map(|i| dvec3(f64::from(i) * 0.1, f64::from(i % 7), f64::from(i % 3) - 1.0))
+            .collect()
+    }
+
+    #[test]
+    fn bound_is_direct_for_new_targets_too() {
+        let binding = Binding::new(&warp(1.0), &rest());
+        for by in [1.0, -3.5] {
+            let (mut direct, mut bound) = (rest(), rest());
+            let _ = map_all(&warp(by), &mut direct);
+            let _ = map_all(&Bound::new(warp(by), binding.clone()), &mut bound);
+            assert_eq!(direct, bound);
+        }
+        assert_eq!(binding.outdated(&warp(2.0), &rest()), None);
+        let mut other = rest();
+        other[49].x += 1e-9;
+        assert_eq!(binding.outdated(&warp(2.0), &other), Some(49));
+        assert_eq!(binding.outdated(&warp(2.0), &other[..7]), Some(7));
+        assert_ne!(Fingerprint::of(&rest()), Fingerprint::of(&other));
+        assert_eq!(Fingerprint::of(&rest()), Fingerprint::of(&rest()));
+    }
+
+    #[test]
+    fn a_binding_is_made_again_from_its_parts() {
+        let binding = Binding::new(&warp(1.0), &rest());
+        let counts: Vec<u32> = (0..binding.len())
+            .map(|i| u32::try_from(binding.site(i).len()).unwrap())
+            .collect();
+        let again = Binding::from_parts(&counts, binding.influences().to_vec(), Vec::new());
+        assert_eq!(again, Some(binding.clone()));
+        assert_eq!(
+            Binding::from_parts(&counts[1..], binding.influences().to_vec(), Vec::new()),
+            None
+        );
+        assert_eq!(
+            Binding::from_parts(&counts, binding.influences().to_vec(), vec![0.0]),
+            None
+        );
+    }
+
+    #[test]
+    fn small_shares_are_dropped_and_change_little() {
+        let binding = Binding::new(&warp(1.0), &rest());
+        let all = binding.influence_count();
+        let fewer = binding
+            .clone()
+            .without_shares_below::<Solid, _>(&warp(1.0), 0.05);
+        assert!(fewer.influence_count() < all);
+        assert!(fewer.influence_count() >= rest().len());
+        assert_eq!(fewer.outdated(&warp(1.0), &rest()), None);
+        let (mut direct, mut bound) = (rest(), rest());
+        let _ = map_all(&warp(1.0), &mut direct);
+        let _ = map_all(&Bound::new(warp(1.0), fewer), &mut bound);
+        let worst = direct
+            .iter()
+            .zip(&bound)
+            .map(|(a, b)| a.distance(*b))
+            .fold(0.0, f64::max);
+        assert!(worst > 0.0 && worst < 0.15, "{worst}");
+    }
+
+    #[test]
+    fn a_bound_warp_is_undone_by_its_deforming_function() {
+        let bound = Bound::new(warp(0.7), Binding::new(&warp(0.7), &rest()));
+        for (index, &p) in rest().iter().enumerate() {
+            let image = bound.map(&Site::new(index, p));
+            let back = bound.inverse_at(&Site::new(index, image)).unwrap();
+            assert!(back.distance(p) < 1e-12);
+        }
     }
 }

@@ -50,7 +50,7 @@ mod transformation;
 mod warp;
 
 pub use affine::Affine;
-pub use binding::Binding;
+pub use binding::{Binding, Bound, Fingerprint};
 pub use curve::{Curve, Differentiable, Jet, Nearest, NearestPoint};
 pub use deformation::{
     Deformation, Facts, Masked, Stack, Unmapped, difference_jacobian, difference_step,

@@ -288,7 +288,11 @@ impl<S: Space> Deformation<S> for Modulated<S> {
 
 impl<S: Space> Warp<S> for Modulated<S> {
     fn influences(&self, site: &Site<S>, out: &mut Influences) {
-        let strength = self.strength.as_ref().map_or(1.0, |f| f.value(site));
+        // A constant strength is applied where transformations are scaled, so that a binding outlives its change.
+        let strength = match &self.strength {
+            Some(field) if field.constant().is_none() => field.value(site),
+            _ => 1.0,
+        };
         let weight = self.weight.as_ref().map_or(1.0, |f| f.value(site));
         if weight == 0.0 {
             return;
@@ -300,7 +304,9 @@ impl<S: Space> Warp<S> for Modulated<S> {
         }
     }
     fn scaled(&self, address: Address, strength: f64) -> Affine<S> {
-        self.warp.scaled(address, strength)
+        let constant = self.strength.as_ref().and_then(|field| field.constant());
+        self.warp
+            .scaled(address, strength * constant.unwrap_or(1.0))
     }
     fn weight(&self, influence: &Influence, displacement: S) -> f64 {
         self.warp.weight(influence, displacement)

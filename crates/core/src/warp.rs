@@ -298,8 +298,17 @@ pub fn combine<S: Space, W: Warp<S> + ?Sized>(warp: &W, point: S, influences: &I
 pub fn deforming_function<S: Space, W: Warp<S> + ?Sized>(warp: &W, site: &Site<S>) -> Affine<S> {
     let mut influences = Influences::default();
     warp.influences(site, &mut influences);
+    deforming_function_of(warp, site.point, &influences)
+}
+
+/// The deforming function from given influences.
+pub(crate) fn deforming_function_of<S: Space, W: Warp<S> + ?Sized>(
+    warp: &W,
+    point: S,
+    influences: &Influences,
+) -> Affine<S> {
     let (mut linear, mut translation) = (S::Linear::ZERO, S::ZERO);
-    for_each_share(warp, site.point, &influences, |affine, share| {
+    for_each_share(warp, point, influences, |affine, share| {
         linear = linear + (affine.linear - S::Linear::IDENTITY) * share;
         translation += affine.translation * share;
     });

@@ -1,28 +1,29 @@
 //! `anamorph check`: what the warps of a recipe promise.
 
-use super::promises::{promises, to_json, to_text};
+use super::promises::{line, promises, to_json, to_text};
 use crate::arguments::CheckOptions;
 use crate::error::{Failure, output};
 use crate::files;
 use crate::meshes::RecipeFiles;
 use crate::model::{ModelSpace, build, read, read_recipe, size};
 use anamorph_catalog::Context;
+use anamorph_core::guarantees::{Guarantee, commutation};
 use anamorph_core::{Bounds, Plane, Solid, Stack, map_all};
 use anamorph_io::{Document, Points, ReadOptions};
-use anamorph_recipe::Recipe;
+use anamorph_recipe::{BuiltRecipe, Recipe};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
 
-/// The verdicts on one recipe, as text and as JSON.
-fn check_one<S: ModelSpace>(
+/// A recipe built for a model or for its stand-in, the points, and what they are.
+fn built_for<S: ModelSpace>(
     path: &Path,
     recipe: &Recipe,
     options: &CheckOptions,
     document: Option<&dyn Document>,
-) -> Result<(String, Value), Failure> {
+) -> Result<(BuiltRecipe<S>, Vec<S>, String), Failure> {
     let beside = RecipeFiles::beside(path, options.allow_outside);
-    let (built, points, on) = match document {
+    Ok(match document {
         Some(document) => {
             let points = S::points(document.points()).unwrap_or_default();
             let points = points[..document.visible().min(points.len())].to_vec();
@@ -57,7 +58,17 @@ fn check_one<S: ModelSpace>(
             };
             (built, points, shape.to_owned())
         }
-    };
+    })
+}
+
+/// The verdicts on one recipe, as text and as JSON.
+fn check_one<S: ModelSpace>(
+    path: &Path,
+    recipe: &Recipe,
+    options: &CheckOptions,
+    document: Option<&dyn Document>,
+) -> Result<(String, Value), Failure> {
+    let (built, points, on) = built_for::<S>(path, recipe, options, document)?;
     let all = promises(&built, &points, size(&points));
     let name = files::shown(path);
     let text = if all.is_empty() || built.parts.is_empty() {
@@ -119,6 +130,53 @@ fn stand_in<S: ModelSpace>() -> Vec<S> {
         .collect()
 }
 
+/// Whether two recipes may change places, as text and as JSON.
+fn compare<S: ModelSpace>(
+    recipes: [(&Path, &Recipe); 2],
+    options: &CheckOptions,
+    document: Option<&dyn Document>,
+) -> Result<(String, Value), Failure> {
+    let [first, second] = recipes;
+    let (a, points, _) = built_for::<S>(first.0, first.1, options, document)?;
+    let (b, _, _) = built_for::<S>(second.0, second.1, options, document)?;
+    let points = super::promises::sample(&points);
+    let found: Guarantee<S> = commutation(&a.stack(), &b.stack(), &points, size(&points));
+    let names = [files::shown(first.0), files::shown(second.0)];
+    let text = format!("{} and {}\n{}", names[0], names[1], line(&found));
+    let value = json!({ "recipes": names, "guarantees": super::promises::guarantee_json(&found) });
+    Ok((text, value))
+}
+
+/// Two recipes of warps, compared on the model or on a stand-in. Recipes in different coordinates, and motions, are not.
+fn compare_recipes(
+    options: &CheckOptions,
+    documents: &mut [Option<Box<dyn Document>>; 2],
+) -> Result<Option<(String, Value)>, Failure> {
+    let [first, second] = &options.recipes[..] else {
+        return Ok(None);
+    };
+    let (a, b) = (
+        read_recipe(first, &options.set)?,
+        read_recipe(second, &options.set)?,
+    );
+    if a.is_motion() || b.is_motion() || a.is_local() != b.is_local() {
+        return Ok(None);
+    }
+    let document = documents[usize::from(a.is_local())].as_deref();
+    let recipes = [(first.as_path(), &a), (second.as_path(), &b)];
+    let plane = match document {
+        Some(document) => matches!(document.points(), Points::Plane(_)),
+        None => options.plane,
+    };
+    if !plane {
+        match (compare::<Solid>(recipes, options, document), document) {
+            (Err(_), None) => {}
+            (found, _) => return found.map(Some),
+        }
+    }
+    compare::<Plane>(recipes, options, document).map(Some)
+}
+
 /// One recipe, on the model or on a stand-in.
 fn check_recipe(
     path: &Path,
@@ -168,6 +226,21 @@ pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
                 if !options.json {
                     let gap = if number > 0 { "\n" } else { "" };
                     write!(out, "{gap}{text}").map_err(|error| output(&error))?;
+                }
+            }
+            Err(failure) => {
+                failure.print();
+                failed = true;
+            }
+        }
+    }
+    if !failed && !options.recipes.iter().any(|path| files::is_stream(path)) {
+        match compare_recipes(options, &mut documents) {
+            Ok(None) => {}
+            Ok(Some((text, value))) => {
+                all.push(value);
+                if !options.json {
+                    write!(out, "\n{text}").map_err(|error| output(&error))?;
                 }
             }
             Err(failure) => {

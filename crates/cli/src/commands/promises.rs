@@ -2,14 +2,15 @@
 
 use crate::model::ModelSpace;
 use anamorph_core::guarantees::{
-    Guarantee, Property, Verdict, continuity, interpolation_of, no_fold, undecided,
+    Guarantee, Property, Verdict, ambient_repair, commutation, continuity_of, coverage,
+    interpolation_of, invertibility, no_fold, safe_strength, undecided,
 };
-use anamorph_core::{Deformation, Domain, Warp};
-use anamorph_recipe::BuiltRecipe;
+use anamorph_core::{Deformation, Domain, Smoothness, Warp};
+use anamorph_recipe::{BuiltPart, BuiltRecipe};
 use serde_json::{Value, json};
 
 /// Points at which Jacobians are examined, at most; a larger model is sampled evenly.
-const EXAMINED: usize = 50_000;
+const EXAMINED: usize = 6_000;
 
 /// The promises of one deformation.
 pub(crate) struct Promises<S> {
@@ -33,14 +34,14 @@ pub(crate) fn promises<S: ModelSpace>(
     let mut here = sample(points);
     let original = here.clone();
     let mut all = Vec::new();
-    for part in &built.parts {
-        let guarantees = vec![
-            interpolation_of(&part.deformation, &part.warp.conditions(), size),
-            continuity(&part.deformation),
-            no_fold(&part.deformation, &here, size),
-            undecided(Property::Invertibility),
-            undecided(Property::Commutation),
-        ];
+    for (number, part) in built.parts.iter().enumerate() {
+        let mut guarantees = of_part(part, &here, size);
+        if let Some(next) = built.parts.get(number + 1) {
+            let name = format!("with the next warp, {}", next.title());
+            let mut found = commutation(&part.deformation, &next.deformation, &here, size);
+            found.statement = format!("{name}: {}", found.statement);
+            guarantees.push(found);
+        }
         all.push(Promises {
             index: Some(part.index),
             title: part.title().to_owned(),
@@ -50,15 +51,17 @@ pub(crate) fn promises<S: ModelSpace>(
             domain: part.deformation.domain(),
         });
         let _ = part.deformation.map_points(0, &mut here);
+        here.retain(|p| p.is_finite());
     }
     if built.parts.len() != 1 {
         let stack = built.stack();
+        let fold = no_fold(&stack, &original, size);
+        let folds = fold.witness.filter(|_| fold.verdict == Verdict::Refuted);
         let guarantees = vec![
             undecided(Property::Interpolation),
-            continuity(&stack),
-            no_fold(&stack, &original, size),
-            undecided(Property::Invertibility),
-            undecided(Property::Commutation),
+            continuity_of(&stack, &original, size),
+            fold,
+            invertibility(&stack, folds, &original, size),
         ];
         all.push(Promises {
             index: None,
@@ -72,8 +75,51 @@ pub(crate) fn promises<S: ModelSpace>(
     all
 }
 
+/// The promises of one part, with what would repair it.
+fn of_part<S: ModelSpace>(part: &BuiltPart<S>, points: &[S], size: f64) -> Vec<Guarantee<S>> {
+    let interpolation = interpolation_of(&part.deformation, &part.warp.conditions(), size);
+    let mut continuous = continuity_of(&part.deformation, points, size);
+    if part.deformation.facts().smoothness() == Smoothness::Jump
+        && let Some((ambient, miss)) = ambient_repair(&part.warp, points, size)
+    {
+        let price = miss.map_or_else(
+            || "features are then met approximately".to_owned(),
+            |miss| format!("features then miss their targets by up to {}", short(miss)),
+        );
+        continuous = continuous.with_detail(
+            "repair",
+            format!(
+                "`ambient = {}` makes it continuous; {price}",
+                short(ambient)
+            ),
+        );
+    }
+    let mut fold = no_fold(&part.deformation, points, size);
+    let folds = fold.witness.filter(|_| fold.verdict == Verdict::Refuted);
+    if folds.is_some()
+        && let Some(strength) = safe_strength(&part.warp, points, size)
+    {
+        fold = fold.with_detail(
+            "largest safe strength",
+            format!("{strength:.3} of the present one, as far as the search saw"),
+        );
+    }
+    vec![
+        interpolation,
+        coverage(&part.warp, points),
+        continuous,
+        fold,
+        invertibility(&part.deformation, folds, points, size),
+    ]
+}
+
+/// A number for a sentence.
+fn short(value: f64) -> String {
+    crate::files::short(value)
+}
+
 /// Points spread over a model, few enough to be examined one by one.
-fn sample<S: ModelSpace>(points: &[S]) -> Vec<S> {
+pub(crate) fn sample<S: ModelSpace>(points: &[S]) -> Vec<S> {
     let step = points.len().div_ceil(EXAMINED).max(1);
     let finite = points.iter().copied().filter(|p| p.is_finite());
     finite.step_by(step).collect()
@@ -98,24 +144,38 @@ pub(crate) fn fold<S: ModelSpace>(
     })
 }
 
+/// What else was found out, by name.
+fn details<S>(guarantee: &Guarantee<S>) -> Value {
+    let named = guarantee.details.iter();
+    Value::Object(
+        named
+            .map(|(name, sentence)| ((*name).to_owned(), json!(sentence)))
+            .collect(),
+    )
+}
+
+/// One guarantee as JSON.
+pub(crate) fn guarantee_json<S: ModelSpace>(g: &Guarantee<S>) -> Value {
+    let coordinates = |p: S| -> Vec<f64> { (0..S::DIM).map(|axis| p.component(axis)).collect() };
+    json!({
+        "property": g.property.name(),
+        "verdict": g.verdict.name(),
+        "statement": g.statement,
+        "witness": g.witness.map(|w| json!({
+            "place": coordinates(w.place),
+            "value": w.value,
+            "other": w.other.map(coordinates),
+        })),
+        "details": details(g),
+    })
+}
+
 /// As JSON.
 pub(crate) fn to_json<S: ModelSpace>(promises: &[Promises<S>]) -> Value {
-    let coordinates = |p: S| -> Vec<f64> { (0..S::DIM).map(|axis| p.component(axis)).collect() };
     promises
         .iter()
         .map(|p| {
-            let guarantees: Vec<Value> = p
-                .guarantees
-                .iter()
-                .map(|g| {
-                    json!({
-                        "property": g.property.name(),
-                        "verdict": g.verdict.name(),
-                        "statement": g.statement,
-                        "witness": g.witness.map(|w| json!({ "place": coordinates(w.place), "value": w.value })),
-                    })
-                })
-                .collect();
+            let guarantees: Vec<Value> = p.guarantees.iter().map(guarantee_json).collect();
             json!({
                 "index": p.index,
                 "title": p.title,
@@ -139,23 +199,38 @@ pub(crate) fn to_text<S: ModelSpace>(promises: &[Promises<S>]) -> String {
         };
         text.push_str(&format!("{name}\n"));
         for g in &p.guarantees {
-            text.push_str(&format!(
-                "  {:<14} {:<8} {}",
-                g.property.name(),
-                g.verdict.name(),
-                g.statement
-            ));
-            if let (Some(w), Verdict::Refuted) = (g.witness, g.verdict) {
-                let place: Vec<String> = (0..S::DIM)
-                    .map(|axis| format!("{:.6}", w.place.component(axis)))
-                    .collect();
-                text.push_str(&format!(", at ({})", place.join(", ")));
-            }
-            text.push('\n');
+            text.push_str(&line(g));
         }
         for note in &p.notes {
             text.push_str(&format!("  note: {note}\n"));
         }
+    }
+    text
+}
+
+/// One guarantee as text, with its witness where it is refuted.
+pub(crate) fn line<S: ModelSpace>(g: &Guarantee<S>) -> String {
+    let place = |p: S| {
+        let numbers: Vec<String> = (0..S::DIM)
+            .map(|axis| format!("{:.6}", p.component(axis)))
+            .collect();
+        format!("({})", numbers.join(", "))
+    };
+    let mut text = format!(
+        "  {:<14} {:<8} {}",
+        g.property.name(),
+        g.verdict.name(),
+        g.statement
+    );
+    if let (Some(w), Verdict::Refuted) = (g.witness, g.verdict) {
+        text.push_str(&format!(", at {}", place(w.place)));
+        if let Some(other) = w.other.filter(|_| g.property == Property::Invertibility) {
+            text.push_str(&format!(" and {}", place(other)));
+        }
+    }
+    text.push('\n');
+    for (name, sentence) in &g.details {
+        text.push_str(&format!("  {:<23} {name}: {sentence}\n", ""));
     }
     text
 }

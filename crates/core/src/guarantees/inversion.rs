@@ -10,6 +10,8 @@ use crate::{Deformation, Inverse, Site, Space};
 
 /// Points that are sent there and back, at most.
 const TRIED: usize = 400;
+/// Points that do not come back, after which no more are tried: their searches are long.
+const LOST: usize = 4;
 
 /// Whether a deformation has an inverse. `fold` is where it folds, if it does; `points` are those of a model of size `size`.
 pub fn invertibility<S: Space, D: Deformation<S> + ?Sized>(
@@ -68,7 +70,7 @@ pub fn invertibility<S: Space, D: Deformation<S> + ?Sized>(
         }
     }
     let step = points.len().div_ceil(TRIED).max(1);
-    let (mut tried, mut worst) = (0_usize, 0.0_f64);
+    let (mut tried, mut lost, mut worst) = (0_usize, 0, 0.0_f64);
     for (index, &place) in points.iter().enumerate().step_by(step) {
         let Some((met, back)) = same(place, index) else {
             continue;
@@ -77,13 +79,20 @@ pub fn invertibility<S: Space, D: Deformation<S> + ?Sized>(
         if met && off > apart && deformation.domain() == crate::Domain::Space {
             return two(place, back);
         }
-        tried += 1;
         if met {
+            tried += 1;
             worst = worst.max(off);
+        } else {
+            lost += 1;
+            if lost >= LOST {
+                break;
+            }
         }
     }
     let statement = if fold.is_some() {
         "it folds, but no two places with the same image were found".to_owned()
+    } else if lost > 0 {
+        "no two places with the same image were found, but some points do not come back".to_owned()
     } else {
         format!(
             "no two places with the same image were found; {tried} points come back to within {}",
