@@ -26,6 +26,7 @@
 //! that says what is wrong, where, and how to mend it; [`Document::inspect`] lists what is odd in files that can be read.
 //! With the feature `parallel` large files are scanned and written on all cores, with the same result bit for bit.
 
+pub mod bindings;
 mod document;
 mod elements;
 mod error;
