@@ -20,6 +20,8 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Warp models by a recipe
     Warp(WarpOptions),
+    /// Evaluate the fields of a recipe on a model once and keep them
+    Bind(BindOptions),
     /// Write the motion of a recipe as a table, an animation or a picture
     Motion(MotionOptions),
     /// Write control points, frames or points of a model to edit in a modeller
@@ -75,6 +77,35 @@ pub(crate) struct WarpOptions {
     /// Threads to use, 1 to 1024; as many as the machine has if left out. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub threads: Option<usize>,
+    /// Use the influences that `anamorph bind` kept for this model, with the recipe's present targets and strengths
+    #[arg(long, value_name = "FILE")]
+    pub binding: Option<PathBuf>,
+    /// Undo the recipe: each point goes to the place that the recipe moves onto it (of a recipe with `mapping = "inverse"`, the
+    /// warps as they are)
+    #[arg(long, conflicts_with = "binding")]
+    pub invert: bool,
+    /// Write the recipe over time, from the model as it is to the full warp, as that many numbered files: OUT (and a preview or
+    /// report) says where the number goes, as in out.%04d.obj or out.####.obj. Frames that exist are kept
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Time",
+        conflicts_with = "binding"
+    )]
+    pub frames: Option<usize>,
+    /// The number of the first frame
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        requires = "frames",
+        default_value = "1",
+        help_heading = "Time",
+        allow_hyphen_values = true
+    )]
+    pub start: i64,
+    /// Write only these frames, by their numbers
+    #[arg(long, value_name = "A-B", requires = "frames", value_parser = parse_range, help_heading = "Time")]
+    pub range: Option<(i64, i64)>,
     /// Leave the normals stored in the file as they are
     #[arg(long)]
     pub keep_normals: bool,
@@ -90,6 +121,56 @@ pub(crate) struct WarpOptions {
     /// Replace files that exist
     #[arg(short, long)]
     pub force: bool,
+}
+
+/// Evaluate the fields of a recipe on a model once and keep them.
+///
+/// `anamorph warp --binding` then moves the model by new targets and strengths, much faster where features are many or intricate.
+#[derive(Debug, Args)]
+pub(crate) struct BindOptions {
+    /// The model; `-` is standard input
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// The recipe, TOML or JSON
+    #[arg(short, long, value_name = "FILE")]
+    pub recipe: PathBuf,
+    /// Where the binding goes
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Change a value of the recipe, such as `warp.0.angle=30deg`
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub set: Vec<String>,
+    /// Drop influences that have less than this share of a point's weight; the error that makes is measured and kept
+    #[arg(long, value_name = "SHARE", value_parser = parse_share, default_value = "0")]
+    pub drop_below: f64,
+    /// Read files that lie outside of the folder of the file that names them
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Replace a file that exists
+    #[arg(short, long)]
+    pub force: bool,
+}
+
+fn parse_range(text: &str) -> Result<(i64, i64), String> {
+    let wrong = || "write two numbers of frames, such as 10-20".to_owned();
+    // A dash may also be the sign of the first number.
+    let dash = text.trim().get(1..).and_then(|rest| rest.find('-'));
+    let (first, last) = match dash {
+        Some(dash) => (&text.trim()[..=dash], &text.trim()[dash + 2..]),
+        None => (text, text),
+    };
+    let number = |text: &str| text.trim().parse().map_err(|_| wrong());
+    Ok((number(first)?, number(last)?))
+}
+
+fn parse_share(text: &str) -> Result<f64, String> {
+    let share = text.trim().parse().ok();
+    share
+        .filter(|share: &f64| (0.0..1.0).contains(share))
+        .ok_or_else(|| "write a share from 0 to less than 1, such as 0.0001".to_owned())
 }
 
 /// Write the motion of a recipe as a table, an animation or a picture.

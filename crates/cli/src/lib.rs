@@ -44,6 +44,7 @@ where
     };
     let result = match arguments.command {
         Command::Warp(options) => commands::warp::run(&options),
+        Command::Bind(options) => commands::bind::run(&options),
         Command::Motion(options) => commands::motion::run(&options),
         Command::Cage(options) => commands::cage::run(&options),
         Command::Inspect(options) => commands::inspect::run(&options),

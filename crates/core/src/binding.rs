@@ -27,6 +27,12 @@ pub struct Binding {
 impl Binding {
     /// Binds a warp to a model's rest points, indices from 0.
     pub fn new<S: Space, W: Warp<S> + ?Sized>(warp: &W, rest: &[S]) -> Self {
+        Self::of_run(warp, 0, rest)
+    }
+
+    /// Binds a warp to a run of a model's rest points, the first of which has the index `first`. Runs are joined by
+    /// [`Binding::append`].
+    pub fn of_run<S: Space, W: Warp<S> + ?Sized>(warp: &W, first: usize, rest: &[S]) -> Self {
         let mut binding = Self {
             offsets: vec![0],
             influences: Vec::new(),
@@ -35,7 +41,7 @@ impl Binding {
         let mut list = Influences::default();
         for (index, &point) in rest.iter().enumerate() {
             list.clear();
-            warp.influences(&Site::new(index, point), &mut list);
+            warp.influences(&Site::new(first + index, point), &mut list);
             binding.influences.extend_from_slice(&list.list);
             binding.offsets.push(binding.influences.len());
             binding.log_scales[index] = list.log_scale;
@@ -44,6 +50,22 @@ impl Binding {
             binding.log_scales = Vec::new();
         }
         binding
+    }
+
+    /// Adds the sites of the run that comes next.
+    pub fn append(&mut self, next: &Self) {
+        if self.offsets.is_empty() {
+            self.offsets.push(0);
+        }
+        let (sites, kept) = (self.len(), self.influences.len());
+        if !(self.log_scales.is_empty() && next.log_scales.is_empty()) {
+            self.log_scales.resize(sites, 0.0);
+            self.log_scales.extend_from_slice(&next.log_scales);
+            self.log_scales.resize(sites + next.len(), 0.0);
+        }
+        self.offsets
+            .extend(next.offsets.iter().skip(1).map(|offset| kept + offset));
+        self.influences.extend_from_slice(&next.influences);
     }
 
     /// Number of sites.
@@ -125,15 +147,13 @@ impl Binding {
         }
         let step = rest.len().div_ceil(COMPARED).max(1);
         let mut list = Influences::default();
-        let sites = rest.iter().enumerate().step_by(step);
-        sites
-            .map(|(index, &point)| {
-                list.clear();
-                warp.influences(&Site::new(index, point), &mut list);
-                (index, self.agrees(index, &list))
-            })
-            .find(|(_, agrees)| !agrees)
-            .map(|(index, _)| index)
+        let mut sites = rest.iter().enumerate().step_by(step);
+        let stale = sites.find(|(index, point)| {
+            list.clear();
+            warp.influences(&Site::new(*index, **point), &mut list);
+            !self.agrees(*index, &list)
+        });
+        stale.map(|(index, _)| index)
     }
 
     /// Whether a site has these influences, but for such as were dropped.
@@ -329,6 +349,16 @@ mod tests {
         assert_eq!(binding.outdated(&warp(2.0), &other[..7]), Some(7));
         assert_ne!(Fingerprint::of(&rest()), Fingerprint::of(&other));
         assert_eq!(Fingerprint::of(&rest()), Fingerprint::of(&rest()));
+    }
+
+    #[test]
+    fn runs_are_joined() {
+        let whole = Binding::new(&warp(1.0), &rest());
+        let mut joined = Binding::default();
+        for (run, points) in rest().chunks(7).enumerate() {
+            joined.append(&Binding::of_run(&warp(1.0), 7 * run, points));
+        }
+        assert_eq!(joined, whole);
     }
 
     #[test]

@@ -15,6 +15,8 @@ use crate::{
 
 /// Newton steps from one start at most.
 const STEPS: usize = 40;
+/// Steps across creases from one place at most.
+const CROSSINGS: usize = 12;
 /// The shortest step of the continuation, as a share of the way: beyond is a cliff.
 const SHORTEST: f64 = 1e-4;
 /// Steps of the continuation at most.
@@ -181,7 +183,40 @@ impl<D> Inverse<D> {
                 break;
             }
         }
-        Inversion { place, residual }
+        if residual <= tolerance {
+            return Inversion { place, residual };
+        }
+        self.through_creases(deformation, image, Inversion { place, residual })
+    }
+
+    /// Newton's method without looking at whether steps help: at a crease, where every short step does harm, long ones may land on the
+    /// right side. Ends with the best place seen.
+    fn through_creases<S: Space>(
+        &self,
+        deformation: &dyn Deformation<S>,
+        image: &Site<S>,
+        start: Inversion<S>,
+    ) -> Inversion<S> {
+        let tolerance = 0.1 * self.tolerance(image.point);
+        let (mut best, mut place) = (start, start.place);
+        for _ in 0..CROSSINGS {
+            let site = Site::new(image.index, place);
+            let off = deformation.map(&site) - image.point;
+            let residual = finite(off.length());
+            if residual < best.residual {
+                best = Inversion { place, residual };
+            }
+            if best.residual <= tolerance {
+                break;
+            }
+            let jacobian = jacobian_here(deformation, &site, self.size);
+            let step = jacobian.inverted().map(|inverse| inverse.apply(off));
+            match step.map(|step| place - step).filter(|p| p.is_finite()) {
+                Some(next) => place = next,
+                None => break,
+            }
+        }
+        best
     }
 
     /// Leads the image from `D(q)`, whose place is known, to `q`.
@@ -457,6 +492,36 @@ mod tests {
             for i in 0..3 {
                 assert!((direct.col(i) - plain.col(i)).length() < 1e-6);
             }
+        }
+    }
+
+    #[test]
+    fn creases_are_crossed() {
+        // Slopes 1/4 on one side and 4 on the other, tilted against the axes.
+        struct Crease;
+        impl Deformation<Solid> for Crease {
+            fn map(&self, site: &Site<Solid>) -> Solid {
+                let p = site.point;
+                let along = p.x + 0.7 * p.y - 0.2;
+                let by = if along > 0.0 {
+                    3.0 * along
+                } else {
+                    -0.5 * along
+                };
+                p + dvec3(0.6, 0.4, 0.3) * by
+            }
+            fn facts(&self) -> Facts<Solid> {
+                Facts {
+                    support: Support::Everywhere,
+                    ..Facts::identity()
+                }
+            }
+        }
+        let inverse = Inverse::new(Crease, 7.0);
+        for p in places() {
+            let image = Crease.map(&Site::anywhere(p));
+            let found = inverse.find(&Site::anywhere(image));
+            assert!(found.place.distance(p) < 1e-9, "{p} {found:?}");
         }
     }
 

@@ -41,6 +41,7 @@ mod marks;
 pub mod math;
 mod model;
 pub mod reference;
+mod schedule;
 #[cfg(feature = "simd")]
 pub mod simd;
 mod space;
@@ -62,6 +63,7 @@ pub use field::{Domain, Field, Smoothness, Support};
 pub use inverse::{Inverse, Inversion};
 pub use marks::{Mark, Role, Shape};
 pub use model::{Bounds, Site};
+pub use schedule::Scheduled;
 pub use space::{Linear, Plane, Solid, Space};
 pub use surface::{carry_normal, carry_tangent, vertex_normals};
 pub use terms::{Modulated, Term, Terms};

@@ -304,7 +304,7 @@ impl<S: Space> Warp<S> for Modulated<S> {
         }
     }
     fn scaled(&self, address: Address, strength: f64) -> Affine<S> {
-        let constant = self.strength.as_ref().and_then(|field| field.constant());
+        let constant = self.strength.as_ref().and_then(Field::constant);
         self.warp
             .scaled(address, strength * constant.unwrap_or(1.0))
     }

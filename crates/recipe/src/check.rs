@@ -14,12 +14,17 @@ use std::collections::BTreeMap;
 
 /// Whose coordinates a recipe may be in; the first if it says nothing.
 pub(crate) const SPACES: [&str; 2] = ["world", "local"];
+/// Which way a recipe's warps are applied; the first if it says nothing.
+pub(crate) const MAPPINGS: [&str; 2] = ["forward", "inverse"];
 /// Keys of the recipe itself. Editors write `$schema` into JSON.
-const ROOT_KEYS: [&str; 7] = [
+const ROOT_KEYS: [&str; 10] = [
     "version",
     "warp",
+    "track",
+    "time",
     "motion",
     "space",
+    "mapping",
     "name",
     "description",
     "$schema",
@@ -89,7 +94,7 @@ impl Recipe {
                 begin,
             ));
         } else {
-            let known: Vec<String> = ROOT_KEYS[..6].iter().map(|&key| key.to_owned()).collect();
+            let known: Vec<String> = ROOT_KEYS[..9].iter().map(|&key| key.to_owned()).collect();
             for key in self
                 .tree
                 .keys()
@@ -114,6 +119,23 @@ impl Recipe {
             );
         }
         self.check_space(problems);
+        self.check_mapping(problems);
+        self.check_time(problems);
+    }
+
+    fn check_mapping(&self, problems: &mut Vec<Problem>) {
+        let Some(mapping) = self.tree.get("mapping") else {
+            return;
+        };
+        if mapping
+            .as_str()
+            .is_none_or(|name| !MAPPINGS.contains(&name))
+        {
+            let message = format!("{} is no mapping", form(mapping));
+            let hint =
+                "write \"forward\" (the warps as they are) or \"inverse\" (what undoes them)";
+            problems.push(self.problem("mapping", Part::Value, message, hint));
+        }
     }
 
     fn check_space(&self, problems: &mut Vec<Problem>) {

@@ -3,13 +3,14 @@
 use crate::check::parameters;
 use crate::error::{Problem, RecipeError};
 use crate::keys::Walk;
+use crate::time::Share;
 use crate::tree::{Part, join};
 use crate::words::plain;
 use crate::{Recipe, Registry};
 use anamorph_catalog::schemars::SchemaGenerator;
 use anamorph_catalog::{Built, ConstructError, Context, WarpEntry};
 use anamorph_core::{
-    Bounds, Deformation, Field, Mark, Masked, Modulated, Scaling, Space, Stack, Warp,
+    Bounds, Deformation, Field, Mark, Masked, Modulated, Scaling, Scheduled, Space, Stack, Warp,
 };
 use serde_json::{Map, Value};
 use std::sync::Arc;
@@ -26,6 +27,8 @@ pub struct BuiltPart<S: Space> {
     pub system: &'static str,
     /// The warp, with the recipe's strength, weight and ambient weight but without its mask.
     pub warp: Arc<dyn Warp<S>>,
+    /// Its mask, if it has one.
+    pub mask: Option<Arc<dyn Field<S>>>,
     /// The warp with its mask: what moves points.
     pub deformation: Arc<dyn Deformation<S>>,
     /// Its features and guides, for pictures.
@@ -111,9 +114,25 @@ impl Recipe {
             let (built, modifiers) = construct(entry, registry, table, &here)
                 .map_err(|error| fail(self.located(&path, error, entry)))?;
             let warp = modulated(built.warp, modifiers.strength, modifiers.weight, table);
-            let deformation: Arc<dyn Deformation<S>> = match modifiers.mask {
-                Some(mask) => Arc::new(Masked::new(Box::new(Arc::clone(&warp)), mask)),
+            let share = self.share(table);
+            let warp = match &share {
+                Some(share) if !share.blend => scheduled(warp, share),
+                _ => warp,
+            };
+            let mask: Option<Arc<dyn Field<S>>> = modifiers.mask.map(Arc::from);
+            let deformation: Arc<dyn Deformation<S>> = match &mask {
+                Some(mask) => Arc::new(Masked::new(
+                    Box::new(Arc::clone(&warp)),
+                    Box::new(Arc::clone(mask)),
+                )),
                 None => Arc::clone(&warp) as Arc<dyn Deformation<S>>,
+            };
+            let deformation = match share {
+                // The first way: one number blends the result.
+                Some(share) if share.blend && share.common != 1.0 => {
+                    Arc::new(Masked::new(Box::new(deformation), Box::new(share.common)))
+                }
+                _ => deformation,
             };
             moved.push(Arc::clone(&deformation));
             parts.push(BuiltPart {
@@ -125,6 +144,7 @@ impl Recipe {
                     .map(str::to_owned),
                 system: entry.system,
                 warp,
+                mask,
                 deformation,
                 marks: built.marks,
             });
@@ -242,6 +262,17 @@ fn modulated<S: Space>(
         modulated = modulated.with_ambient(ambient);
     }
     Arc::new(modulated)
+}
+
+/// The warp with its strengths multiplied by how much of it is in force: ways 2 and 3 of §8.1, which coincide.
+fn scheduled<S: Space>(warp: Arc<dyn Warp<S>>, share: &Share) -> Arc<dyn Warp<S>> {
+    if share.features.iter().all(|f| *f == share.common) {
+        return match share.common {
+            1.0 => warp,
+            factor => Arc::new(Modulated::new(Box::new(warp)).with_strength(Box::new(factor))),
+        };
+    }
+    Arc::new(Scheduled::new(warp, share.features.clone(), share.common))
 }
 
 #[cfg(test)]

@@ -33,6 +33,7 @@ mod recipe;
 mod registry;
 mod schema;
 mod set;
+mod time;
 mod toml;
 mod tree;
 mod words;

@@ -16,6 +16,8 @@ pub struct Recipe {
     /// Always a table.
     pub(crate) tree: Map<String, Value>,
     pub(crate) spans: Node,
+    /// The time it is built for, if it is; see [`Recipe::at`].
+    pub(crate) time: Option<f64>,
 }
 
 impl Recipe {
@@ -117,6 +119,7 @@ impl Recipe {
             source,
             tree,
             spans,
+            time: None,
         };
         match recipe.version_problem() {
             Some(problem) => Err(RecipeError::one(&recipe.source.name, problem)),
@@ -142,6 +145,11 @@ impl Recipe {
                 .filter_map(|warp| warp.get("kind")?.as_str())
                 .collect()
         })
+    }
+
+    /// Whether the recipe asks for what undoes its warps (`mapping = "inverse"`).
+    pub fn is_inverse(&self) -> bool {
+        self.tree.get("mapping").and_then(Value::as_str) == Some("inverse")
     }
 
     /// Whether it is for each mesh in its own coordinates (`space = "local"`), rather than where a scene places it.

@@ -4,7 +4,8 @@
 //! into it, so that editors complete them and mark what is unknown.
 
 use crate::Registry;
-use crate::check::{SCALING, SPACES};
+use crate::check::{MAPPINGS, SCALING, SPACES};
+use crate::time::WAYS;
 use anamorph_catalog::schemars::SchemaGenerator;
 use anamorph_catalog::schemars::generate::SchemaSettings;
 use anamorph_core::{Plane, Solid, Space};
@@ -71,6 +72,43 @@ pub fn schema(plane: &Registry<Plane>, solid: &Registry<Solid>) -> Value {
                 "enum": SPACES,
                 "default": SPACES[0],
             },
+            "mapping": {
+                "description": "the warps as they are, or what undoes them",
+                "enum": MAPPINGS,
+                "default": MAPPINGS[0],
+            },
+            "time": {
+                "description": "how warps without a schedule of their own come in over time",
+                "type": "object",
+                "properties": {
+                    "way": {
+                        "description": "what grows: the blend of the result, each transformation, or each strength (the last two coincide)",
+                        "enum": WAYS,
+                        "default": WAYS[2],
+                    },
+                    "ease": ease_schema(),
+                },
+                "additionalProperties": false,
+            },
+            "track": {
+                "description": "values of the recipe over time",
+                "type": "array",
+                "items": {
+                    "type": "object",
+                    "properties": {
+                        "set": { "description": "which value, such as warp.0.angle", "type": "string" },
+                        "keys": {
+                            "description": "times from 0 to 1 in ascending order, each with a value",
+                            "type": "array",
+                            "items": { "type": "array", "minItems": 2, "maxItems": 2 },
+                            "minItems": 1,
+                        },
+                        "ease": ease_schema(),
+                    },
+                    "required": ["set", "keys"],
+                    "additionalProperties": false,
+                },
+            },
             "warp": {
                 "description": "the warps, first applied first; none leaves the model as it is",
                 "type": "array",
@@ -82,6 +120,34 @@ pub fn schema(plane: &Registry<Plane>, solid: &Registry<Solid>) -> Value {
         "not": { "required": ["warp", "motion"] },
         "additionalProperties": false,
         "$defs": definitions,
+    })
+}
+
+fn ease_schema() -> Value {
+    json!({ "description": "an ease, such as \"smooth\" or \"cubic-bezier(0.4, 0, 0.2, 1)\"; even if left out", "type": "string" })
+}
+
+/// The schema of a schedule; of a whole warp's it has a list for single features.
+fn schedule(whole: bool) -> Value {
+    let time = |description: &str| json!({ "description": description, "type": "number", "minimum": 0, "maximum": 1 });
+    let mut properties = Map::new();
+    properties.insert(
+        "start".to_owned(),
+        time("when strengths begin to rise from 0"),
+    );
+    properties.insert("end".to_owned(), time("when they reach 1"));
+    properties.insert("ease".to_owned(), ease_schema());
+    if whole {
+        properties.insert(
+            "features".to_owned(),
+            json!({ "description": "schedules of single features, in their order", "type": "array", "items": schedule(false) }),
+        );
+    }
+    json!({
+        "description": "when the warp comes in, as time goes from 0 to 1",
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": false,
     })
 }
 
@@ -179,6 +245,7 @@ fn common(field: &str) -> Map<String, Value> {
             "enum": SCALING,
         }),
     );
+    put("schedule", schedule(true));
     map
 }
 

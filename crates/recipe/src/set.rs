@@ -27,7 +27,7 @@ impl Recipe {
             let hint = "write path=value, such as warp.0.angle=30deg".to_owned();
             return Err(fail("", "there is no `=`".to_owned(), hint));
         };
-        let path: Vec<&str> = path.split('.').map(str::trim).collect();
+        let path = words(path);
         if path.iter().any(|word| word.is_empty()) {
             let hint = "write keys and numbers with dots between, such as warp.0.angle".to_owned();
             return Err(fail("", "a word of the path is empty".to_owned(), hint));
@@ -70,7 +70,13 @@ enum At<'a> {
     Value(&'a mut Value),
 }
 
-fn put(
+/// The words of a path.
+pub(crate) fn words(path: &str) -> Vec<&str> {
+    path.split('.').map(str::trim).collect()
+}
+
+/// Sets the value at the end of a path.
+pub(crate) fn put(
     tree: &mut Map<String, Value>,
     spans: &mut Node,
     path: &[&str],

@@ -1,11 +1,14 @@
 //! One module a command.
 
+pub(crate) mod bind;
 pub(crate) mod cage;
 pub(crate) mod check;
+pub(crate) mod frames;
 pub(crate) mod inspect;
 pub(crate) mod list;
 pub(crate) mod motion;
 pub(crate) mod promises;
 pub(crate) mod schema;
 pub(crate) mod shell;
+pub(crate) mod undone;
 pub(crate) mod warp;

@@ -229,7 +229,9 @@ pub(crate) fn line<S: ModelSpace>(g: &Guarantee<S>) -> String {
         }
     }
     text.push('\n');
-    for (name, sentence) in &g.details {
+    // The three kinds of continuity follow from the line itself; the JSON spells them out.
+    let told = |name: &str| g.property != Property::Continuity || name == "repair";
+    for (name, sentence) in g.details.iter().filter(|(name, _)| told(name)) {
         text.push_str(&format!("  {:<23} {name}: {sentence}\n", ""));
     }
     text

@@ -1,6 +1,9 @@
 //! `anamorph warp`: models in, a recipe, warped models out.
 
+use super::bind::bound_stack;
+use super::frames::{self, Frames, Pattern};
 use super::promises::{fold, promises, to_json};
+use super::undone::Undone;
 use crate::arguments::WarpOptions;
 use crate::companions::Copies;
 use crate::error::{Failure, say};
@@ -10,7 +13,7 @@ use crate::model::{self, ModelSpace};
 use crate::picture;
 use crate::progress::Progress;
 use anamorph_core::{
-    Bounds, Deformation, Domain, Linear, Plane, Solid, Space, carry_normal, carry_tangent,
+    Bounds, Deformation, Domain, Inverse, Linear, Plane, Solid, Space, carry_normal, carry_tangent,
     map_all_parallel,
 };
 use anamorph_io::{Document, Lost, Moved, Normals, Points, ReadOptions, WriteReport};
@@ -112,6 +115,7 @@ fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
 fn refuse_collisions(jobs: &[Job], options: &WarpOptions) -> Result<(), Failure> {
     let known = |path: &Path| (!files::is_stream(path)).then(|| files::identity(path));
     let recipe = known(&options.recipe);
+    let binding = options.binding.as_deref().and_then(known);
     let models: HashSet<PathBuf> = jobs.iter().filter_map(|job| known(&job.model)).collect();
     let mut results = HashSet::new();
     for job in jobs {
@@ -123,9 +127,10 @@ fn refuse_collisions(jobs: &[Job], options: &WarpOptions) -> Result<(), Failure>
                 continue;
             };
             let shown = path.display();
-            if recipe.as_ref() == Some(&identity) {
+            let asked = [("recipe", &recipe), ("binding", &binding)];
+            if let Some((what, _)) = asked.iter().find(|(_, f)| f.as_ref() == Some(&identity)) {
                 return Err(Failure::usage(format!(
-                    "{shown}: a result would replace the recipe; choose another name"
+                    "{shown}: a result would replace the {what}; choose another name"
                 )));
             }
             if !is_model && models.contains(&identity) {
@@ -155,6 +160,10 @@ impl Job {
 }
 
 pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
+    let frames = Frames::of(options)?;
+    if frames.is_some() {
+        frames::check(options)?;
+    }
     let jobs = jobs(options)?;
     if options.preview.is_some() {
         picture::check(&options.view, options.turntable.is_some())
@@ -180,9 +189,13 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
         beside,
         options,
         taken: Mutex::new(results.chain(inputs).filter_map(known).collect()),
+        replace: options.force,
     };
     let mut made = Vec::new();
-    let result = pool.install(|| warp_all(&jobs, &run, &mut made));
+    let result = pool.install(|| match &frames {
+        Some(frames) => warp_frames(&jobs[0], &run, frames),
+        None => warp_all(&jobs, &run, &mut made),
+    });
     files::remove_empty(&made);
     result
 }
@@ -194,6 +207,8 @@ struct Run<'a> {
     options: &'a WarpOptions,
     /// Files that copies of companions must not replace: inputs, results, and copies made for other models.
     taken: Mutex<HashSet<PathBuf>>,
+    /// Whether results may replace what exists.
+    replace: bool,
 }
 
 /// All jobs, one after the other; one that fails does not keep the others from being done. Adds the folders it makes to
@@ -226,6 +241,61 @@ fn warp_all(jobs: &[Job], run: &Run<'_>, made: &mut Vec<PathBuf>) -> Result<(), 
     } else {
         Ok(())
     }
+}
+
+/// All frames of a range, the model read once.
+fn warp_frames(job: &Job, run: &Run<'_>, frames: &Frames) -> Result<(), Failure> {
+    let options = run.options;
+    let output = Pattern::of(&job.output, "--output")?;
+    let pattern = |path: &Option<PathBuf>, what| {
+        path.as_deref()
+            .map(|path| Pattern::of(path, what))
+            .transpose()
+    };
+    let report = pattern(&job.report, "--report")?;
+    let preview = pattern(&job.preview, "--preview")?;
+    let recipe = &run.recipe;
+    let read_options = ReadOptions::default()
+        .allow_nonfinite(options.allow_nonfinite)
+        .local(recipe.is_local());
+    let document = model::read(&job.model, &read_options, options.allow_outside)?;
+    let mut kept = 0;
+    for frame in frames.all() {
+        let named = |pattern: &Option<Pattern>| pattern.as_ref().map(|p| p.path(frame.number));
+        let job = Job {
+            model: job.model.clone(),
+            output: output.path(frame.number),
+            report: named(&report),
+            preview: named(&preview),
+        };
+        if !options.force && job.results().all(|(path, _)| path.exists()) {
+            kept += 1;
+            continue;
+        }
+        let mut results = job.results();
+        if results.any(|(path, _)| files::identity(path) == files::identity(&job.model)) {
+            return Err(Failure::usage(format!(
+                "{}: a frame would replace the model; choose another name",
+                job.output.display()
+            )));
+        }
+        let run = Run {
+            recipe: recipe.at(frame.time).map_err(Failure::new)?,
+            beside: RecipeFiles::beside(&options.recipe, options.allow_outside),
+            options,
+            taken: Mutex::new(HashSet::new()),
+            replace: true,
+        };
+        let form = form(&job, document.as_ref())?;
+        match document.points() {
+            Points::Plane(_) => warp_document::<Plane>(&job, &run, document.as_ref(), form)?,
+            Points::Solid(_) => warp_document::<Solid>(&job, &run, document.as_ref(), form)?,
+        }
+    }
+    if !options.quiet {
+        frames::kept(kept);
+    }
+    Ok(())
 }
 
 /// Whether a file's name ends so.
@@ -309,9 +379,19 @@ fn warp_document<S: ModelSpace>(
     let rest = S::points(document.points()).unwrap_or_default();
     let built = model::build(recipe, document, rest, beside)?;
     beside.refuse_replacing(job.results().map(|(path, _)| path))?;
-    let stack = built.stack();
     let visible = document.visible().min(rest.len());
     let size = model::size(&rest[..visible]);
+    let inverted = recipe.is_inverse() != options.invert;
+    let stack: Box<dyn Deformation<S>> = match &options.binding {
+        Some(_) if inverted => {
+            return Err(Failure::usage(
+                "a binding moves the model as the recipe does; leave out `mapping = \"inverse\"`",
+            ));
+        }
+        Some(path) => Box::new(bound_stack(path, &built, rest, &name)?),
+        None if inverted => Box::new(Inverse::new(built.stack(), size)),
+        None => Box::new(built.stack()),
+    };
 
     let mut moved = rest.to_vec();
     let unmapped = {
@@ -319,11 +399,14 @@ fn warp_document<S: ModelSpace>(
         map_all_parallel(&stack, &mut moved, &|count| progress.add(count))
     };
     let expected = document.nonfinite();
-    if let Some(&index) = unmapped
+    let stayed: Vec<usize> = unmapped
         .indices()
         .iter()
-        .find(|index| expected.binary_search(index).is_err())
-    {
+        .copied()
+        .filter(|index| expected.binary_search(index).is_err())
+        .collect();
+    let undone = inverted.then(|| Undone::measure(&built.stack(), rest, &moved, &stayed));
+    if let (Some(&index), false) = (stayed.first(), inverted) {
         return Err(Failure::new(format!(
             "{name}: point {} moves to a place that is not finite (it, or a warp, is too large for the number range); \
              scale the model down, or mask the warp there",
@@ -333,21 +416,15 @@ fn warp_document<S: ModelSpace>(
 
     // All files are begun before any is written, and the model comes last but for its report: what goes to standard output
     // cannot be taken back.
-    let begin = |path: &PathBuf| Pending::create(path, options.force);
+    let begin = |path: &PathBuf| Pending::create(path, run.replace);
     let mut model_file = begin(&job.output)?;
     let mut report_file = job.report.as_ref().map(begin).transpose()?;
     let mut preview_file = job.preview.as_ref().map(begin).transpose()?;
-    let mut copies = Copies::begin(
-        document,
-        &job.model,
-        &job.output,
-        options.force,
-        &|target| {
-            beside.refuse_replacing([target])?;
-            let mut taken = run.taken.lock().unwrap_or_else(PoisonError::into_inner);
-            Ok(taken.insert(files::identity(target)))
-        },
-    )?;
+    let mut copies = Copies::begin(document, &job.model, &job.output, run.replace, &|target| {
+        beside.refuse_replacing([target])?;
+        let mut taken = run.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(taken.insert(files::identity(target)))
+    })?;
     if let (Some(file), Some(path)) = (&mut preview_file, &job.preview) {
         let kind = picture::Kind::of(path, options.turntable)?;
         let (before, after) = (&rest[..visible], &moved[..visible]);
@@ -363,7 +440,7 @@ fn warp_document<S: ModelSpace>(
             )));
         }
     }
-    let policy = normals_policy(document, &built, options);
+    let policy = normals_policy(document, &built, &stack, options);
     let mut report = WriteReport::default();
     let (mut lost, mut refused) = (Lost::default(), None);
     let written = model_file.fill(|out| {
@@ -437,6 +514,9 @@ fn warp_document<S: ModelSpace>(
                 value["conversion"] = json!({ "to": target.name, "lost": lost.0 });
             }
         }
+        if let Some(undone) = &undone {
+            value["inverse"] = json!({ "residual": undone.residual, "stayed": undone.stayed });
+        }
         let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
         file.fill(|out| writeln!(out, "{text}"))?;
     }
@@ -467,6 +547,9 @@ fn warp_document<S: ModelSpace>(
             }
         }
         copies.print();
+        if let Some(undone) = &undone {
+            undone.print();
+        }
         if !built.parts.is_empty() {
             if report.moved_points == 0 {
                 say!(
@@ -516,6 +599,7 @@ impl NormalsPolicy {
 fn normals_policy<S: Space>(
     document: &dyn Document,
     built: &BuiltRecipe<S>,
+    stack: &dyn Deformation<S>,
     options: &WarpOptions,
 ) -> NormalsPolicy {
     if document.normals() == 0 {
@@ -524,7 +608,7 @@ fn normals_policy<S: Space>(
         NormalsPolicy::Kept
     } else if document.format() == "stl" {
         NormalsPolicy::OfFacets
-    } else if built.stack().domain() == Domain::Model {
+    } else if stack.domain() == Domain::Model {
         NormalsPolicy::Recomputed
     } else {
         NormalsPolicy::Carried
@@ -534,7 +618,7 @@ fn normals_policy<S: Space>(
 /// A direction at a vertex after the warp, carried by `carry` through the Jacobian there. One that the warp leaves alone
 /// keeps its bits.
 fn carried<S: ModelSpace>(
-    stack: &anamorph_core::Stack<S>,
+    stack: &dyn Deformation<S>,
     document: &dyn Document,
     size: f64,
     vertex: usize,

@@ -117,6 +117,12 @@ impl Recipe {
             );
             problems.push(self.problem("warp", Part::Key, message, "keep them in two files"));
         }
+        for key in ["mapping", "track", "time"] {
+            if self.tree.contains_key(key) {
+                let message = format!("a motion has no `{key}`");
+                problems.push(self.problem(key, Part::Key, message, "leave it out"));
+            }
+        }
         if self.tree.contains_key("space") {
             let message = "`space` is for warps; a motion is in the coordinates of its path";
             problems.push(self.problem("space", Part::Key, message, "leave it out"));

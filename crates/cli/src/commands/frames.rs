@@ -1,0 +1,177 @@
+//! `anamorph warp --frames`: a recipe over time as numbered files, the model read once.
+//!
+//! A frame that exists is finished, because files appear whole; a run that was interrupted goes on where it stopped.
+
+use crate::arguments::WarpOptions;
+use crate::error::{Failure, say};
+use crate::files;
+use std::path::{Path, PathBuf};
+
+/// Frames of a run at most.
+const MOST_FRAMES: usize = 1_000_000;
+
+/// Which frames are asked for, and what their files are called.
+#[derive(Debug)]
+pub(crate) struct Frames {
+    count: usize,
+    first: i64,
+    range: (i64, i64),
+}
+
+/// A frame of the run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Frame {
+    /// Its number in file names.
+    pub(crate) number: i64,
+    /// Its time, from 0 to 1.
+    pub(crate) time: f64,
+}
+
+impl Frames {
+    /// From `--frames`, `--start` and `--range`.
+    pub(crate) fn of(options: &WarpOptions) -> Result<Option<Self>, Failure> {
+        let Some(count) = options.frames else {
+            return Ok(None);
+        };
+        if !(2..=MOST_FRAMES).contains(&count) {
+            return Err(Failure::usage(format!(
+                "--frames: write a number from 2 to {MOST_FRAMES}"
+            )));
+        }
+        let first = options.start;
+        let last = first + i64::try_from(count).unwrap_or(i64::MAX) - 1;
+        let range = options.range.unwrap_or((first, last));
+        if range.0 < first || range.1 > last || range.1 < range.0 {
+            return Err(Failure::usage(format!(
+                "--range {}-{}: the frames are {first} to {last}",
+                range.0, range.1
+            )));
+        }
+        Ok(Some(Self {
+            count,
+            first,
+            range,
+        }))
+    }
+
+    /// The frames of the range, in order.
+    pub(crate) fn all(&self) -> impl Iterator<Item = Frame> + '_ {
+        #[allow(clippy::cast_precision_loss)]
+        let last = (self.count - 1) as f64;
+        (self.range.0..=self.range.1).map(move |number| {
+            #[allow(clippy::cast_precision_loss)]
+            let step = (number - self.first) as f64;
+            Frame {
+                number,
+                time: step / last,
+            }
+        })
+    }
+}
+
+/// A file name with a place for the frame's number: `%04d`, `%d` or a run of `#`.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Pattern {
+    before: String,
+    digits: usize,
+    after: String,
+}
+
+impl Pattern {
+    /// The pattern in a path's file name; `what` is the option that the path was given by.
+    pub(crate) fn of(path: &Path, what: &str) -> Result<Self, Failure> {
+        let name = path
+            .file_name()
+            .map(|name| name.to_string_lossy().into_owned())
+            .unwrap_or_default();
+        let found = Self::signs(&name);
+        let Some((from, to, digits)) = found else {
+            return Err(Failure::usage(format!(
+                "{what} {}: say where the frame's number goes, as in out.%04d.obj or out.####.obj",
+                path.display()
+            )));
+        };
+        let folder = path.with_file_name("");
+        Ok(Self {
+            before: format!("{}{}", folder.display(), &name[..from]),
+            digits,
+            after: name[to..].to_owned(),
+        })
+    }
+
+    /// Where the first sign stands, and how many digits it asks for.
+    fn signs(name: &str) -> Option<(usize, usize, usize)> {
+        if let Some(from) = name.find('#') {
+            let count = name[from..].bytes().take_while(|b| *b == b'#').count();
+            return Some((from, from + count, count));
+        }
+        let mut start = 0;
+        while let Some(found) = name[start..].find('%') {
+            let from = start + found;
+            let rest = &name[from + 1..];
+            let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
+            if rest[digits.len()..].starts_with('d') {
+                let width = digits.parse().unwrap_or(1_usize).clamp(1, 20);
+                return Some((from, from + digits.len() + 2, width));
+            }
+            start = from + 1;
+        }
+        None
+    }
+
+    /// The path of a frame.
+    pub(crate) fn path(&self, number: i64) -> PathBuf {
+        let sign = if number < 0 { "-" } else { "" };
+        let digits = format!("{:0width$}", number.unsigned_abs(), width = self.digits);
+        PathBuf::from(format!("{}{sign}{digits}{}", self.before, self.after))
+    }
+}
+
+/// Refuses options that do not fit together with frames.
+pub(crate) fn check(options: &WarpOptions) -> Result<(), Failure> {
+    if options.models.len() > 1 {
+        return Err(Failure::usage("--frames takes one model"));
+    }
+    if files::is_stream(&options.output) {
+        return Err(Failure::usage(
+            "--frames writes files; name them, as in out.%04d.obj",
+        ));
+    }
+    if options.turntable.is_some() {
+        return Err(Failure::usage(
+            "--frames and --turntable are two kinds of film; choose one",
+        ));
+    }
+    Ok(())
+}
+
+/// Says what a run left as it was.
+pub(crate) fn kept(count: usize) {
+    if count > 0 {
+        say!("  {count} frames exist and are kept; --force writes them anew");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_name_frames() {
+        let name = |pattern: &str, number| {
+            let pattern = Pattern::of(Path::new(pattern), "--output").unwrap();
+            pattern.path(number).display().to_string()
+        };
+        assert_eq!(name("out.%04d.obj", 7), "out.0007.obj");
+        assert_eq!(name("out.####.obj", 1001), "out.1001.obj");
+        assert_eq!(name("a/b%d.ply", 12), "a/b12.ply");
+        assert_eq!(name("100%_##.ply", 123), "100%_123.ply");
+        assert_eq!(name("100%.%02d.ply", -3), "100%.-03.ply");
+        for wrong in ["out.obj", "50%.obj", "a#/out.obj"] {
+            assert!(
+                Pattern::of(Path::new(wrong), "--output").is_err(),
+                "{wrong}"
+            );
+        }
+    }
+}
