@@ -27,5 +27,6 @@ pub mod barr;
 pub mod cages;
 pub mod features;
 pub mod lattices;
+pub mod meshes;
 #[cfg(feature = "recipe")]
 pub mod registry;

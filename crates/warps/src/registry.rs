@@ -4,7 +4,7 @@
 //!
 //! *Source*: Milliron et al. 2002, §3–§6 for the order.
 
-use crate::{barr, features, lattices};
+use crate::{barr, features, lattices, meshes};
 use anamorph_catalog::WarpEntry;
 use anamorph_core::Solid;
 use anamorph_transforms::Rotational;
@@ -21,6 +21,7 @@ fn both<S: Rotational>() -> Vec<WarpEntry<S>> {
         barr::parameters::taper(),
         barr::parameters::bend(),
         barr::parameters::axial(),
+        meshes::parameters::mesh(),
     ]
 }
 

@@ -78,6 +78,17 @@ pub(crate) fn missing(key: &str) -> ConstructError {
 }
 
 impl<S: Space> Feature<S> {
+    /// Its wires and the edges of its faces, each once.
+    pub(crate) fn edges(&self) -> Vec<[u32; 2]> {
+        let faces = self.mesh.triangles.iter();
+        let around = faces.flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
+        let all = self.mesh.lines.iter().copied().chain(around);
+        let mut edges: Vec<[u32; 2]> = all.map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
+
     /// An error of this file.
     pub(crate) fn fail(
         &self,
