@@ -7,7 +7,7 @@ use anamorph_core::{
     Affine, Average, Deformation, Plane, Scaling, Solid, Space, Term, Terms, Transformation,
     glam::dvec3,
 };
-use anamorph_features::{Frame, FramePair};
+use anamorph_features::{ElementPair, Frame, FramePair};
 use anamorph_fields::falloffs::Wires;
 use anamorph_fields::{AxisRange, Limit};
 use anamorph_tests::cases::{Case, affine, all, field, matrix, number, numbers, point, rows};
@@ -17,6 +17,7 @@ use anamorph_warps::features::vortex::Vortex;
 use anamorph_warps::lattices::bernstein::BernsteinLattice;
 use anamorph_warps::lattices::bspline::{BsplineLattice, Knots};
 use anamorph_warps::lattices::{Grid, frames::FrameLattice};
+use anamorph_warps::lines::{WeightConstants, global, local};
 
 fn scaling(method: &Value) -> Scaling {
     match method.as_str().unwrap() {
@@ -206,6 +207,23 @@ fn vortex(case: &Case) -> usize {
     case.check(&warp.unwrap())
 }
 
+fn lines(case: &Case) -> usize {
+    let list = case.params["lines"].as_array().unwrap().iter();
+    let list = list.map(|line| {
+        let ends = |from: &str, to: &str| [from, to].map(|key| point(&numbers(&line[key])));
+        let pair = ElementPair::of_corners(&ends("P", "Q"), &ends("Ps", "Qs")).unwrap();
+        let [a, b, p] = ["a", "b", "p"].map(|key| number(&line[key]));
+        (pair, WeightConstants { a, b, p })
+    });
+    let list: Vec<_> = list.collect();
+    let warp = match case.params["variant"].as_str().unwrap() {
+        "local" => local::construct(list, Scaling::Displacement),
+        "global" => global::construct(list, Scaling::Displacement),
+        other => panic!("{other}"),
+    };
+    case.check::<Plane>(&warp.unwrap())
+}
+
 fn run<S: Rotational>(case: &Case) -> usize {
     match case.op.as_str() {
         "framework.evaluate" => case.check(&terms::<S>(&case.params, 1.0, 1.0)),
@@ -219,6 +237,7 @@ fn run<S: Rotational>(case: &Case) -> usize {
         "frames" => frames::<S>(case),
         "barr.taper" | "barr.bend" => barr(case),
         "vortex" => vortex(case),
+        "feature_lines.beier_neely" => lines(case),
         other => panic!("{}: no test computes {other}", case.id),
     }
 }
