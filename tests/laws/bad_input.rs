@@ -334,7 +334,7 @@ const ROWS: &[Row] = &[
         "elements",
         "element = [{ source = [\"1%\"] }, { source = [\"1%\", \"2%\", \"3%\"] }]",
         "element.1.source",
-        "source is flat",
+        "is flat",
     ),
     (
         "elements",
@@ -526,7 +526,7 @@ fn the_plane_refuses_what_only_space_has() {
             "line = [{ source = [[-1, 0], [1, 0]], target = [[0, -1], [0, 1]] },
                 { source = [[0, -1], [0, 1]], target = [[1, 0], [-1, 0]] },
                 { source = [[-1, 0], [1, 0]], target = [[0, 1], [0, -1]] }]",
-            "line.1",
+            "line.0",
             "turn against each other",
         ),
     ];

@@ -381,7 +381,7 @@ fn lines<S: Registered>(list: &mut List<S>) {
     for kind in ["lines", "global-lines"] {
         for constants in [
             "",
-            "a = \"1%\"",
+            "a = \"3%\"",
             "b = 1\np = 1",
             "a = \"10%\"\nb = 1.25\np = 0.5",
         ] {

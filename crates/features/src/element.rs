@@ -34,16 +34,17 @@ impl<S: Space> Edge<S> {
         }
     }
 
-    /// The part of the edge that is nearest in its direction to `from`, a vector from its start.
+    /// The part of the edge that is nearest in its direction to `from`, a vector from its start, and whether that is neither
+    /// end.
     #[inline(always)]
-    fn clamped(&self, from: S) -> S {
+    fn clamped(&self, from: S) -> (S, bool) {
         let along = from.dot(self.direction);
         if along <= 0.0 {
-            S::ZERO
+            (S::ZERO, false)
         } else if along >= self.length {
-            self.vector
+            (self.vector, false)
         } else {
-            self.direction * along
+            (self.direction * along, true)
         }
     }
 }
@@ -56,7 +57,7 @@ pub struct Element<S: Space> {
     count: usize,
     /// All edges are perpendicular.
     square: bool,
-    /// Lengths along three oblique edges of a vector.
+    /// Lengths along oblique edges that fill space of a vector.
     inverse: S::Linear,
 }
 
@@ -121,7 +122,7 @@ impl<S: Space> Element<S> {
             let cosine = |i: usize, j: usize| edges[i].direction.dot(edges[j].direction).abs();
             element.square = (0..count).all(|j| (0..j).all(|i| cosine(i, j) <= PERPENDICULAR));
             let unit = S::Linear::from_columns(|i| edges[i].direction);
-            if let (3, Some(inverse)) = (count, unit.inverted()) {
+            if let (true, Some(inverse)) = (count == S::DIM, unit.inverted()) {
                 element.inverse = inverse;
             }
         }
@@ -166,6 +167,11 @@ impl<S: Space> Element<S> {
     /// Length of edge `index`.
     pub fn length(&self, index: usize) -> f64 {
         self.edges.get(index).map_or(0.0, |e| e.length)
+    }
+
+    /// Whether the edges are perpendicular to each other, as those of points and segments are.
+    pub fn is_square(&self) -> bool {
+        self.square
     }
 
     /// The geometric mean of the edges' lengths: a segment's length; 0 for a point.
@@ -215,17 +221,23 @@ impl<S: Space> Element<S> {
         let from = p - self.corner;
         match self.count {
             0 => from,
-            1 => from - self.edges[0].clamped(from),
+            1 => from - self.edges[0].clamped(from).0,
             count if self.square => {
-                let edges = self.edges.iter().take(count);
-                edges.fold(from, |rest, edge| rest - edge.clamped(from))
+                // Within all edges of what fills space, rounding shall leave nothing.
+                let (mut rest, mut inside) = (from, count == S::DIM);
+                for edge in &self.edges[..count] {
+                    let (part, within) = edge.clamped(from);
+                    rest -= part;
+                    inside &= within;
+                }
+                if inside { S::ZERO } else { rest }
             }
             count => {
                 let inside = || {
                     let along = self.inverse.apply(from);
                     (0..count).all(|i| (0.0..=self.edges[i].length).contains(&along.component(i)))
                 };
-                if count == 3 && inside() {
+                if count == S::DIM && inside() {
                     return S::ZERO;
                 }
                 oblique(&self.edges[..count], from)
@@ -278,7 +290,7 @@ impl<S: Space> Element<S> {
 fn oblique<S: Space>(edges: &[Edge<S>], from: S) -> S {
     match *edges {
         [] => from,
-        [edge] => from - edge.clamped(from),
+        [edge] => from - edge.clamped(from).0,
         [a, b] => {
             // Lengths along two directions that are not perpendicular.
             let cosine = a.direction.dot(b.direction);

@@ -9,7 +9,8 @@
 
 use super::contact::{apart, contacts};
 use super::weights::{SAFE, SizedWeight};
-use super::{ElementError, WeightConstants};
+use super::{ElementError, WeightConstants, kernel};
+use anamorph_core::simd::{Level, dispatch};
 use anamorph_core::{
     Address, Affine, Bounds, Condition, Deformation, Facts, Influences, Linear, Mark, Scaling,
     Site, Smoothness, Space, Support, Transformation, Unmapped, Warp, difference_jacobian,
@@ -19,23 +20,23 @@ use anamorph_features::ElementPair;
 use anamorph_transforms::{Composed, Rotational};
 
 /// A point this close to an element, relative to the coordinates of both, lies on it: rounding leaves no less.
-const ON: f64 = 2.0 * f64::EPSILON;
+pub(super) const ON: f64 = 2.0 * f64::EPSILON;
 /// Elements this close, relative to their coordinates, touch.
 const TOUCHING: f64 = 8.0 * f64::EPSILON;
 
 /// An element with all that its term needs.
-struct Item<S: Space> {
+pub(super) struct Item<S: Space> {
     /// Its number.
     feature: u32,
-    pair: ElementPair<S>,
-    weight: SizedWeight,
+    pub(super) pair: ElementPair<S>,
+    pub(super) weight: SizedWeight,
     transformation: Box<dyn Transformation<S>>,
     /// Linear part of the transformation less the identity.
-    growth: S::Linear,
+    pub(super) growth: S::Linear,
     /// From the source's corner to the target's.
-    shift: S,
+    pub(super) shift: S,
     /// Largest coordinate of the source.
-    reach: f64,
+    pub(super) reach: f64,
 }
 
 impl<S: Space> Item<S> {
@@ -245,6 +246,14 @@ impl<S: Space> Deformation<S> for ElementWarp<S> {
     }
 
     fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+        if self.active.is_empty() {
+            return Unmapped::none();
+        }
+        if self.active.iter().all(|i| i.pair.source.is_square()) {
+            let one = |p: S| self.map(&Site::anywhere(p));
+            dispatch!(Level::new(), v => kernel::run(v, &self.active, points, &one));
+            return Unmapped::none();
+        }
         for (i, point) in points.iter_mut().enumerate() {
             *point = self.map(&Site::new(first + i, *point));
         }
@@ -278,10 +287,11 @@ impl<S: Space> Deformation<S> for ElementWarp<S> {
             jacobian = jacobian + item.growth * share;
             let offset = item.pair.source.offset(p);
             // On the element, where the distance has no gradient, the mean of the two sides.
-            let (Some(away), constants) = (offset.normalized(), item.weight.constants) else {
+            let (d, constants) = (offset.length(), item.weight.constants);
+            if d <= ON * item.reach.max(p.largest()) {
                 continue;
-            };
-            let slope = away * (-constants.b / (constants.a + offset.length()));
+            }
+            let slope = offset / d * (-constants.b / (constants.a + d));
             let apart = (item.displacement(p) - mean) * share;
             jacobian = jacobian + S::Linear::outer(apart, slope);
         }

@@ -13,6 +13,7 @@
 mod contact;
 pub mod elements;
 pub mod global;
+mod kernel;
 pub mod local;
 #[cfg(feature = "recipe")]
 pub(crate) mod parameters;
