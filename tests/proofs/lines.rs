@@ -395,38 +395,6 @@ fn lines_scale_with_the_model() {
 }
 
 #[test]
-#[ignore]
-fn zz_speed() {
-    let mut random = Random::new(9);
-    let mut speed = |name: &str, warp: &dyn Warp<Plane>, points: &[Plane]| {
-        let mut q = points.to_vec();
-        let t = std::time::Instant::now();
-        evaluate_points(&warp, 0, &mut q);
-        let plain = t.elapsed().as_secs_f64();
-        let mut r = points.to_vec();
-        let t = std::time::Instant::now();
-        for p in &mut r { *p = warp.map(&Site::anywhere(*p)); }
-        let one = t.elapsed().as_secs_f64();
-        let mut r = points.to_vec();
-        let t = std::time::Instant::now();
-        map_all(&warp, &mut r);
-        let fast = t.elapsed().as_secs_f64();
-        let t = std::time::Instant::now();
-        let bound = Binding::new(&warp, &points[..10000]);
-        let b = t.elapsed().as_secs_f64();
-        let mut r = points[..10000].to_vec();
-        let t = std::time::Instant::now();
-        bound.map_points(&warp, 0, &mut r);
-        eprintln!("{name}: plain {:.1} one {:.1} fast {:.1} ns/pt; bind {:.1} bound {:.1}", plain*1e9/points.len() as f64, one*1e9/points.len() as f64, fast*1e9/points.len() as f64, b*1e5, t.elapsed().as_secs_f64()*1e5);
-    };
-    let points: Vec<Plane> = (0..100_000).map(|_| random.vector::<Plane>()).collect();
-    for (n, c) in [(20, [0.01, 2.0, 0.5]), (20, [0.0, 1.0, 0.0]), (20, [0.01, 1.7, 0.5]), (100, [0.01, 2.0, 0.5])] {
-        let lines: Vec<Line> = (0..n).map(|_| { let mut r = Random::new(random.below(100000) as u64); line([r.vector(), r.vector()], [r.vector(), r.vector()], c) }).collect();
-        speed(&format!("{n} {c:?}"), &both(&lines)[0], &points);
-    }
-}
-
-#[test]
 fn bad_lines_are_refused_by_name() {
     let good = line(
         [Plane::ZERO, Plane::X],
