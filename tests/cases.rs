@@ -217,8 +217,8 @@ fn lines(case: &Case) -> usize {
     });
     let list: Vec<_> = list.collect();
     let warp = match case.params["variant"].as_str().unwrap() {
-        "local" => local::construct(list, Scaling::Displacement),
-        "global" => global::construct(list, Scaling::Displacement),
+        "local" => local::construct(&list, Scaling::Displacement),
+        "global" => global::construct(&list, Scaling::Displacement),
         other => panic!("{other}"),
     };
     case.check::<Plane>(&warp.unwrap())

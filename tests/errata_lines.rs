@@ -20,11 +20,11 @@ fn line(source: [Plane; 2], target: [Plane; 2], [a, b, p]: [f64; 3]) -> Line {
 }
 
 fn local_warp(lines: &[Line]) -> ElementWarp<Plane> {
-    local::construct(lines.to_vec(), Scaling::Displacement).unwrap()
+    local::construct(lines, Scaling::Displacement).unwrap()
 }
 
 fn global_warp(lines: &[Line]) -> ElementWarp<Plane> {
-    global::construct(lines.to_vec(), Scaling::Displacement).unwrap()
+    global::construct(lines, Scaling::Displacement).unwrap()
 }
 
 fn at(warp: &dyn Deformation<Plane>, p: Plane) -> Plane {
@@ -211,7 +211,7 @@ fn f6_all_evaluators_agree_at_the_ends_of_the_range() {
             .collect();
         for warp in [
             local_warp(&lines),
-            global::construct(lines.clone(), Scaling::Displacement).unwrap_or(local_warp(&lines)),
+            global::construct(&lines, Scaling::Displacement).unwrap_or(local_warp(&lines)),
         ] {
             let mut points: Vec<Plane> = (0..20).map(|_| random.vector::<Plane>() * size).collect();
             points.push(lines[1].0.source.corner());
@@ -364,7 +364,7 @@ fn f7_short_averages() {
         assert!((Linear::<Plane>::determinant(&jacobian) - angle.cos()).abs() < 1e-4);
     }
     for angle in [1.5701, core::f64::consts::FRAC_PI_2] {
-        let error = global::construct(lines(angle).to_vec(), Scaling::Displacement)
+        let error = global::construct(&lines(angle), Scaling::Displacement)
             .err()
             .unwrap();
         let ElementError::ShortNormal {

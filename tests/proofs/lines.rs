@@ -24,8 +24,8 @@ fn line(source: [Plane; 2], target: [Plane; 2], [a, b, p]: [f64; 3]) -> Line {
 fn both(lines: &[Line]) -> [ElementWarp<Plane>; 2] {
     let scaling = Scaling::Displacement;
     [
-        local::construct(lines.to_vec(), scaling).unwrap(),
-        global::construct(lines.to_vec(), scaling).unwrap(),
+        local::construct(lines, scaling).unwrap(),
+        global::construct(lines, scaling).unwrap(),
     ]
 }
 
@@ -132,12 +132,12 @@ fn b12_opposed_rotations_are_refused_by_name() {
     };
     let (up, down) = (1.570_796_326_794_896_6, -1.570_796_326_794_896_6);
     // Both lines across line 1 turn against each other.
-    let refused = global::construct(star([up, 0.3, down]), Scaling::Displacement);
+    let refused = global::construct(&star([up, 0.3, down]), Scaling::Displacement);
     let error = refused.err().unwrap();
     assert_eq!(error.feature(), 1);
     assert!(matches!(error, ElementError::ShortNormal { length, .. } if length < 1e-3));
     // A little less than opposed is served.
-    assert!(global::construct(star([up, 0.3, down + 0.01]), Scaling::Displacement).is_ok());
+    assert!(global::construct(&star([up, 0.3, down + 0.01]), Scaling::Displacement).is_ok());
 }
 
 fn element<S: Space>(random: &mut Random, count: usize) -> Element<S> {
@@ -159,7 +159,7 @@ fn b11<S: Rotational>() {
         let target = element::<S>(&mut random, count);
         let pair = ElementPair { source, target };
         let constants = WeightConstants::default();
-        let warp = ElementWarp::construct(vec![(pair, constants)], Scaling::Displacement).unwrap();
+        let warp = ElementWarp::construct(&[(pair, constants)], Scaling::Displacement).unwrap();
         let site = Site::anywhere(random.vector::<S>());
         let map = deforming_function(&warp, &site);
         // As many basis vectors as edges go where the target's are.
@@ -212,7 +212,8 @@ fn b11_together<S: Rotational>() {
     for _ in 0..60 {
         let constants = random_constants(&mut random);
         for scaling in [Scaling::Displacement, Scaling::Composition] {
-            let warp = ElementWarp::<S>::construct(mixed(&mut random, constants), scaling).unwrap();
+            let warp =
+                ElementWarp::<S>::construct(&mixed(&mut random, constants), scaling).unwrap();
             let points: Vec<S> = (0..50).map(|_| random.vector::<S>() * 2.0).collect();
             let (mut fast, mut plain) = (points.clone(), points.clone());
             map_all(&warp, &mut fast);
@@ -254,7 +255,7 @@ fn b11_boxes_reproduce_any_affine_map() {
         let pair = ElementPair::of_corners(&ends(source), &target).unwrap();
         (pair, WeightConstants::default())
     });
-    let warp = ElementWarp::construct(pairs.collect(), Scaling::Displacement).unwrap();
+    let warp = ElementWarp::construct(&pairs.collect::<Vec<_>>(), Scaling::Displacement).unwrap();
     for _ in 0..100 {
         let p = random.vector::<Solid>() * 3.0;
         assert!(warp.map(&Site::anywhere(p)).distance(map.apply(p)) < 1e-9);
@@ -296,7 +297,7 @@ fn elements_are_met_exactly_without_a() {
             ElementPair::of_corners(&pinned, &pinned).unwrap(),
             constants,
         ));
-        let warp = ElementWarp::construct(pairs, Scaling::Displacement).unwrap();
+        let warp = ElementWarp::construct(&pairs, Scaling::Displacement).unwrap();
         assert_eq!(interpolation(&warp, 4.0).verdict, verdict, "{a}, {b}");
         assert_eq!(warp.conditions().len(), 5 + 5 + 9 + 1);
         if verdict == Verdict::Proved {
@@ -403,7 +404,7 @@ fn bad_lines_are_refused_by_name() {
     );
     let refuse = |bad: Line| {
         let [one, other] = [local::construct, global::construct].map(|construct| {
-            construct(vec![good, bad], Scaling::Displacement)
+            construct(&[good, bad], Scaling::Displacement)
                 .err()
                 .unwrap()
         });

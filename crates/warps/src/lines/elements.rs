@@ -69,13 +69,13 @@ impl<S: Rotational> ElementWarp<S> {
     /// # Errors
     /// [`ElementError`] for constants that are negative or not finite and elements whose map overflows.
     pub fn construct(
-        features: Vec<(ElementPair<S>, WeightConstants)>,
+        features: &[(ElementPair<S>, WeightConstants)],
         scaling: Scaling,
     ) -> Result<Self, ElementError> {
         let with_maps = features
-            .into_iter()
+            .iter()
             .enumerate()
-            .map(|(feature, (pair, constants))| {
+            .map(|(feature, &(pair, constants))| {
                 let affine = pair.affine();
                 let affine = affine.map_err(|error| ElementError::Feature { feature, error })?;
                 Ok((pair, constants, affine))

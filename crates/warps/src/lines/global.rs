@@ -26,10 +26,10 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// # Errors
 /// As [`local::construct`](super::local::construct), and [`ElementError::ShortNormal`] where rotations cancel.
 pub fn construct(
-    lines: Vec<(ElementPair<Plane>, WeightConstants)>,
+    lines: &[(ElementPair<Plane>, WeightConstants)],
     scaling: Scaling,
 ) -> Result<ElementWarp<Plane>, ElementError> {
-    check_lines(&lines)?;
+    check_lines(lines)?;
     for (feature, (_, constants)) in lines.iter().enumerate() {
         constants.check(feature)?;
     }
@@ -37,7 +37,7 @@ pub fn construct(
         let (pair, constants) = lines[feature];
         let affine = match pair.source.normal() {
             None => pair.affine(),
-            Some(normal) => pair.affine_across(across(&lines, feature, normal)?),
+            Some(normal) => pair.affine_across(across(lines, feature, normal)?),
         };
         let affine = affine.map_err(|error| ElementError::Feature { feature, error })?;
         Ok((pair, constants, affine))

@@ -51,21 +51,21 @@ fn block<V: Simd, S: Space>(v: V, items: &[Item<S>], points: &[S; LANES]) -> (Bl
             );
             let before = along.simd_le(zero);
             let beyond = along.simd_ge(number(source.length(edge)));
-            outside = outside | before | beyond;
-            for axis in 0..S::DIM {
+            outside |= before | beyond;
+            for (axis, offset) in offset.iter_mut().enumerate().take(S::DIM) {
                 let between = number(direction.component(axis)) * along;
                 let end = number(vector.component(axis));
-                offset[axis] -= before.select(zero, beyond.select(end, between));
+                *offset -= before.select(zero, beyond.select(end, between));
             }
         }
         if source.dimension() == S::DIM {
             offset = offset.map(|coordinate| outside.select(coordinate, zero));
         }
         let squared = dot(&offset, &offset);
-        plain = plain & (inside(squared, &PLAIN) | squared.simd_eq(zero));
+        plain &= inside(squared, &PLAIN) | squared.simd_eq(zero);
         let d = squared.sqrt();
         if item.weight.pins() {
-            plain = plain & d.simd_gt(largest.max(number(item.reach)) * number(ON));
+            plain &= d.simd_gt(largest.max(number(item.reach)) * number(ON));
         }
         let base = number(item.weight.size) / (number(item.weight.constants.a) + d);
         let weight = match item.weight.power {
@@ -74,22 +74,22 @@ fn block<V: Simd, S: Space>(v: V, items: &[Item<S>], points: &[S; LANES]) -> (Bl
             Power::Square => base * base,
             Power::Cube => base * base * base,
             Power::Root => {
-                plain = plain & inside(base, &SAFE);
+                plain &= inside(base, &SAFE);
                 base.sqrt()
             }
             Power::Other(b) => {
-                plain = plain & inside(base, &SAFE);
+                plain &= inside(base, &SAFE);
                 let bases: [f64; LANES] = base.into();
                 simd::lanes(v, |lane| math::pow(bases[lane], b))
             }
         };
-        plain = plain & inside(weight, &SAFE);
-        for row in 0..S::DIM {
+        plain &= inside(weight, &SAFE);
+        for (row, moved) in moved.iter_mut().enumerate().take(S::DIM) {
             let mut grown = number(item.growth.entry(row, 0)) * from[0];
-            for column in 1..S::DIM {
-                grown += number(item.growth.entry(row, column)) * from[column];
+            for (column, &from) in from.iter().enumerate().take(S::DIM).skip(1) {
+                grown += number(item.growth.entry(row, column)) * from;
             }
-            moved[row] += (number(item.shift.component(row)) + grown) * weight;
+            *moved += (number(item.shift.component(row)) + grown) * weight;
         }
         total += weight;
     }

@@ -32,9 +32,9 @@ pub(super) fn check_lines(
 /// [`ElementError`] for elements that are no segments, constants that are negative or not finite, and lines whose map
 /// overflows.
 pub fn construct(
-    lines: Vec<(ElementPair<Plane>, WeightConstants)>,
+    lines: &[(ElementPair<Plane>, WeightConstants)],
     scaling: Scaling,
 ) -> Result<ElementWarp<Plane>, ElementError> {
-    check_lines(&lines)?;
+    check_lines(lines)?;
     ElementWarp::construct(lines, scaling)
 }

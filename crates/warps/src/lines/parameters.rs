@@ -182,7 +182,7 @@ fn lines(
     value: &Value,
     context: &Context<'_, Plane>,
     construct: impl Fn(
-        Vec<(ElementPair<Plane>, WeightConstants)>,
+        &[(ElementPair<Plane>, WeightConstants)],
         Scaling,
     ) -> Result<ElementWarp<Plane>, ElementError>,
 ) -> Result<Built<Plane>, ConstructError> {
@@ -211,7 +211,7 @@ fn lines(
         ));
     }
     let scaling = context.scaling.unwrap_or(Scaling::Displacement);
-    let warp = construct(all, scaling).map_err(|error| located("line", &error))?;
+    let warp = construct(&all, scaling).map_err(|error| located("line", &error))?;
     Ok(Built {
         marks: warp.marks(),
         warp: Box::new(warp),
@@ -274,7 +274,7 @@ pub(crate) fn elements<S: Rotational>() -> WarpEntry<S> {
         }
         let scaling = context.scaling.unwrap_or(Scaling::Displacement);
         let warp =
-            ElementWarp::construct(all, scaling).map_err(|error| located("element", &error))?;
+            ElementWarp::construct(&all, scaling).map_err(|error| located("element", &error))?;
         Ok(Built {
             marks: warp.marks(),
             warp: Box::new(warp),
