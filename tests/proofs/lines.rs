@@ -130,7 +130,7 @@ fn b12_opposed_rotations_are_refused_by_name() {
             })
             .collect()
     };
-    let (up, down) = (1.570_796_326_794_896_6, -1.570_796_326_794_896_6);
+    let (up, down) = (core::f64::consts::FRAC_PI_2, -core::f64::consts::FRAC_PI_2);
     // Both lines across line 1 turn against each other.
     let refused = global::construct(&star([up, 0.3, down]), Scaling::Displacement);
     let error = refused.err().unwrap();
@@ -143,10 +143,10 @@ fn b12_opposed_rotations_are_refused_by_name() {
 fn element<S: Space>(random: &mut Random, count: usize) -> Element<S> {
     loop {
         let corners: Vec<S> = (0..=count).map(|_| random.vector()).collect();
-        if let Ok(element) = Element::new(&corners) {
-            if element.size() > 0.3 || count == 0 {
-                return element;
-            }
+        if let Ok(element) = Element::new(&corners)
+            && (element.size() > 0.3 || count == 0)
+        {
+            return element;
         }
     }
 }
