@@ -7,7 +7,7 @@ use anamorph_core::{
     Affine, Average, Deformation, Plane, Scaling, Solid, Space, Term, Terms, Transformation,
     glam::dvec3,
 };
-use anamorph_features::{Frame, FramePair};
+use anamorph_features::{ElementPair, Frame, FramePair};
 use anamorph_fields::falloffs::Wires;
 use anamorph_fields::{AxisRange, Limit};
 use anamorph_tests::cases::{Case, affine, all, field, matrix, number, numbers, point, rows};
@@ -17,6 +17,8 @@ use anamorph_warps::features::vortex::Vortex;
 use anamorph_warps::lattices::bernstein::BernsteinLattice;
 use anamorph_warps::lattices::bspline::{BsplineLattice, Knots};
 use anamorph_warps::lattices::{Grid, frames::FrameLattice};
+use anamorph_warps::lines::{WeightConstants, global, local};
+use anamorph_warps::meshes::{MeshWarp, Reaches, Uncovered};
 
 fn scaling(method: &Value) -> Scaling {
     match method.as_str().unwrap() {
@@ -206,6 +208,46 @@ fn vortex(case: &Case) -> usize {
     case.check(&warp.unwrap())
 }
 
+fn lines(case: &Case) -> usize {
+    let list = case.params["lines"].as_array().unwrap().iter();
+    let list = list.map(|line| {
+        let ends = |from: &str, to: &str| [from, to].map(|key| point(&numbers(&line[key])));
+        let pair = ElementPair::of_corners(&ends("P", "Q"), &ends("Ps", "Qs")).unwrap();
+        let [a, b, p] = ["a", "b", "p"].map(|key| number(&line[key]));
+        (pair, WeightConstants { a, b, p })
+    });
+    let list: Vec<_> = list.collect();
+    let warp = match case.params["variant"].as_str().unwrap() {
+        "local" => local::construct(&list, Scaling::Displacement),
+        "global" => global::construct(&list, Scaling::Displacement),
+        other => panic!("{other}"),
+    };
+    case.check::<Plane>(&warp.unwrap())
+}
+
+fn mesh(case: &Case) -> usize {
+    let params = &case.params;
+    let points =
+        |key: &str| -> Vec<Solid> { rows(&params[key]).iter().map(|r| point(r)).collect() };
+    let edges = params["edges"].as_array().unwrap().iter();
+    let edges: Vec<[u32; 2]> = edges
+        .map(|edge| {
+            let end = |i: usize| u32::try_from(edge[i].as_u64().unwrap()).unwrap();
+            [end(0), end(1)]
+        })
+        .collect();
+    let [alpha, beta, gamma, mu] = ["alpha", "beta", "gamma", "mu"].map(|key| number(&params[key]));
+    let reaches = Reaches {
+        alpha,
+        beta,
+        gamma,
+        mu,
+    };
+    let (source, target) = (points("P"), points("Ps"));
+    let warp = MeshWarp::construct(&source, &target, &edges, reaches, Uncovered::Stay);
+    case.check(&warp.unwrap())
+}
+
 fn run<S: Rotational>(case: &Case) -> usize {
     match case.op.as_str() {
         "framework.evaluate" => case.check(&terms::<S>(&case.params, 1.0, 1.0)),
@@ -219,6 +261,8 @@ fn run<S: Rotational>(case: &Case) -> usize {
         "frames" => frames::<S>(case),
         "barr.taper" | "barr.bend" => barr(case),
         "vortex" => vortex(case),
+        "feature_lines.beier_neely" => lines(case),
+        "mesh_warp" => mesh(case),
         other => panic!("{}: no test computes {other}", case.id),
     }
 }

@@ -305,6 +305,67 @@ const ROWS: &[Row] = &[
         "frame.0",
         "axis",
     ),
+    ("elements", "element = []", "element", "no element"),
+    (
+        "elements",
+        "element = [{ source = [] }]",
+        "element.0.source",
+        "1 to 4 corners",
+    ),
+    (
+        "elements",
+        "element = [{ source = [\"1%\", [1, 2]] }]",
+        "element.0.source.1",
+        "[x, y, z]",
+    ),
+    (
+        "elements",
+        "element = [{ source = [\"1%\"], target = [\"1%\", \"2%\"] }]",
+        "element.0.target",
+        "as many",
+    ),
+    (
+        "elements",
+        "element = [{ source = [\"1%\"], target = [\"1%\"], by = \"1%\" }]",
+        "element.0.by",
+        "both",
+    ),
+    (
+        "elements",
+        "element = [{ source = [\"1%\"] }, { source = [\"1%\", \"2%\", \"3%\"] }]",
+        "element.1.source",
+        "is flat",
+    ),
+    (
+        "elements",
+        "element = [{ source = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], target = [[0, 0, 0], [1, 0, 0], [2, 0, 0]] }]",
+        "element.0.target",
+        "target is flat",
+    ),
+    (
+        "elements",
+        "element = [{ source = [[0, 0, 0], [1e-200, 0, 0]], target = [[0, 0, 0], [1e200, 0, 0]] }]",
+        "element.0",
+        "overflows",
+    ),
+    (
+        "elements",
+        "a = -1\nelement = [{ source = [\"1%\"] }]",
+        "a",
+        "not be negative",
+    ),
+    (
+        "elements",
+        "element = [{ source = [\"1%\"], b = -2 }]",
+        "element.0.b",
+        "not be negative",
+    ),
+    (
+        "elements",
+        "p = -0.5\nelement = [{ source = [\"1%\"], p = 1 }, { source = [\"1%\"] }]",
+        "p",
+        "not be negative",
+    ),
     ("taper", "factor = 2", "", "axis"),
     ("taper", "axis = \"y\"", "", "missing"),
     (
@@ -435,6 +496,39 @@ fn the_plane_refuses_what_only_space_has() {
             "[x, y]",
         ),
         ("lattice", "shape = [4, 4, 4]", "shape", "plane"),
+        (
+            "elements",
+            "element = [{ source = [\"1%\", [2, 0], [0, 2], [3, 3]] }]",
+            "element.0.source",
+            "1 to 3 corners",
+        ),
+        ("lines", "line = []", "line", "no line"),
+        (
+            "lines",
+            "line = [{ source = [[0, 0]] }]",
+            "line.0.source",
+            "2 ends",
+        ),
+        (
+            "global-lines",
+            "line = [{ source = [[0, 0], [1, 0]], target = [[0, 0], [1, 0], [2, 0]] }]",
+            "line.0.target",
+            "2 ends",
+        ),
+        (
+            "lines",
+            "a = \"-1%\"\nline = [{ source = [[0, 0], [1, 0]] }]",
+            "a",
+            "not be negative",
+        ),
+        (
+            "global-lines",
+            "line = [{ source = [[-1, 0], [1, 0]], target = [[0, -1], [0, 1]] },
+                { source = [[0, -1], [0, 1]], target = [[1, 0], [-1, 0]] },
+                { source = [[-1, 0], [1, 0]], target = [[0, 1], [0, -1]] }]",
+            "line.0",
+            "turn against each other",
+        ),
     ];
     for (kind, toml, path, words) in rows {
         let error = refusal::<Plane>(kind, toml, Some(boxes()[0]));

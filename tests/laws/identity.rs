@@ -177,6 +177,10 @@ fn identity_targets_move_nothing<S: Registered>() {
             "axis = \"y\"\ntoward = \"x\"\nangle = \"0deg\"\nlimits = \"smooth\"".to_owned(),
         ),
         (
+            "elements",
+            "element = [{ source = [\"50%\", \"70%\"] }, { source = [\"20%\"], target = [\"20%\"] }]".to_owned(),
+        ),
+        (
             "axial",
             "axis = \"x\"\nscale = [[0, 1, 1]]\nshift = [[0, 0, 0, 0], [1, 0, 0, 0]]".to_owned(),
         ),
@@ -196,6 +200,14 @@ fn identity_targets_move_nothing<S: Registered>() {
             "vortex",
             "centre = \"50%\"\nangle = \"0deg\"\nradius = \"50%\"".to_owned(),
         ));
+        for kind in ["lines", "global-lines"] {
+            still.push((
+                kind,
+                "line = [{ source = [\"50%\", [\"70%\", \"45%\"]] }, { source = [\"20%\", \"20%\"] },
+                    { source = [\"60%\", \"90%\"], target = [\"60%\", \"90%\"], b = 1, a = 1 }]"
+                    .to_owned(),
+            ));
+        }
     }
     for bounds in boxes::<S>() {
         for (kind, toml) in &still {

@@ -88,7 +88,37 @@ pub fn settings<S: Registered>() -> Vec<Setting> {
     features(&mut list);
     lattices(&mut list);
     axes(&mut list);
+    lines(&mut list);
+    meshes(&mut list);
     list.all
+}
+
+fn meshes<S: Registered>(list: &mut List<S>) {
+    // A fan with a middle; a chain on a line with a loose vertex; all points told where to go.
+    for more in [
+        "",
+        "uncovered = \"nearest\"\nmu = 0.5\n",
+        "alpha = 0\nbeta = 0.4\ngamma = 0\nmu = 0.9\n",
+    ] {
+        list.add(
+            "mesh",
+            &[None],
+            &format!(
+                r#"{more}points = [«"50%";"50%";"50%"», «"10%";"20%";"30%"», «"90%";"25%";"40%"», «"60%";"95%";"50%"», «"30%";"70%";"90%"»]
+                edges = [[0, 1], [0, 2], [0, 3], [4, 0], [1, 2], [3, 4]]
+                move = [{{ index = 0, by = «"12%";"-9%";"5%"» }}, {{ index = 3, to = "80%" }}]"#
+            ),
+        );
+        list.add(
+            "mesh",
+            &[None],
+            &format!(
+                r#"{more}points = ["10%", "40%", "80%", "90%"]
+                edges = [[0, 1], [1, 2], [1, 2]]
+                move = [{{ index = 1, by = «"10%";0;"3%"» }}]"#
+            ),
+        );
+    }
 }
 
 fn features<S: Registered>(list: &mut List<S>) {
@@ -324,6 +354,73 @@ fn axes<S: Registered>(list: &mut List<S>) {
     list.add("taper", &[None], "axis = \"x\"\nprofile = [[0.3, 0.5]]");
 }
 
+fn lines<S: Registered>(list: &mut List<S>) {
+    // All kinds of elements at once, oblique ones too; met exactly, nearly, hardly at all.
+    let point = r#"{ source = ["10%"], by = «"10%";"-5%";"5%"» }"#;
+    let segment = r#"{ source = [«"30%";"20%";"20%"», «"20%";"60%";"40%"»],
+        target = [«"25%";"30%";"10%"», «"50%";"60%";"50%"»] }"#;
+    let plate = r#"{ source = [«"60%";"20%";"30%"», «"90%";"25%";"30%"», «"65%";"50%";"35%"»],
+        target = [«"60%";"10%";"30%"», «"80%";"40%";"40%"», «"50%";"50%";"25%"»] }"#;
+    let solid = if S::DIM == 3 {
+        r#", { source = [["55%", "65%", "60%"], ["85%", "65%", "60%"], ["55%", "90%", "65%"], ["60%", "65%", "90%"]],
+            target = [["60%", "65%", "60%"], ["80%", "75%", "50%"], ["45%", "90%", "65%"], ["60%", "65%", "100%"]] }"#
+    } else {
+        ""
+    };
+    for constants in [
+        "",
+        "a = \"2%\"\nb = 1",
+        "b = 1.5\np = 0.5",
+        "a = \"30%\"\nb = 0.5\np = 1",
+        "b = 0",
+        "b = 3",
+    ] {
+        list.add(
+            "elements",
+            &BOTH,
+            &format!("{constants}\nelement = [{point}, {segment}, {plate}{solid}]"),
+        );
+    }
+    // One that turns half, one that loses its length, one without any, one with its own constants.
+    list.add(
+        "elements",
+        &[None],
+        r#"element = [{ source = ["40%", «"60%";"40%";"40%"»], target = ["40%", «"20%";"40%";"40%"»], b = 1 },
+            { source = [«"30%";"80%";"30%"», «"70%";"80%";"30%"»], target = ["80%", "80%"], a = "5%" },
+            { source = ["15%", "15%"], target = ["10%", "20%"] }]"#,
+    );
+    // Two in one place that part: the mean of both.
+    list.add(
+        "elements",
+        &[None],
+        r#"element = [{ source = ["40%"], by = "10%" }, { source = ["40%"], by = "-20%" },
+            { source = ["70%", "90%"], by = «"9%";0;0» }]"#,
+    );
+    if S::DIM == 3 {
+        return;
+    }
+    let chain = r#"line = [
+        { source = [["20%", "30%"], ["50%", "40%"]], target = [["20%", "40%"], ["50%", "30%"]] },
+        { source = [["50%", "40%"], ["80%", "25%"]], target = [["50%", "30%"], ["85%", "45%"]] },
+        { source = [["30%", "80%"], ["70%", "75%"]] }]"#;
+    let crossing = r#"line = [
+        { source = [["20%", "50%"], ["80%", "50%"]], target = [["25%", "55%"], ["75%", "45%"]] },
+        { source = [["48%", "22%"], ["55%", "85%"]], target = [["30%", "30%"], ["70%", "80%"]], b = 1, a = "4%" },
+        { source = [["10%", "10%"], ["10%", "10%"]], by = "5%" }]"#;
+    for kind in ["lines", "global-lines"] {
+        for constants in [
+            "",
+            "a = \"3%\"",
+            "b = 1\np = 1",
+            "a = \"10%\"\nb = 1.25\np = 0.5",
+        ] {
+            for lines in [chain, crossing] {
+                list.add(kind, &BOTH, &format!("{constants}\n{lines}"));
+            }
+        }
+    }
+}
+
 /// Pairs of settings with the same source and other targets: a binding of the first serves the second.
 pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
     let pairs: &[(&'static str, &str, &str, &str)] = &[
@@ -363,12 +460,24 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
             "frame = [{ index = «\"*\";-1;0», by = \"20%\" }]",
             "frame = [{ index = «1;0;\"*\"», scale = 0.5 }]",
         ),
+        (
+            "elements",
+            "b = 1\n",
+            "element = [{ source = [\"30%\"], by = \"9%\" }, { source = [\"60%\", \"80%\"] }]",
+            "element = [{ source = [\"30%\"] }, { source = [\"60%\", \"80%\"], target = [\"70%\", \"60%\"] }]",
+        ),
         ("taper", "axis = «1;2;2»\n", "factor = 0.2", "factor = 2"),
         (
             "bend",
             "axis = «1;2;2»\nlimits = \"smooth\"\n",
             "toward = «1;0;0»\nangle = \"50deg\"",
             "toward = «0;1;0»\nradius = \"90%\"",
+        ),
+        (
+            "mesh",
+            "points = [\"20%\", \"60%\", «\"80%\";\"30%\";\"50%\"»]\nedges = [[0, 1], [1, 2]]\n",
+            "move = [{ index = 1, by = \"9%\" }]",
+            "move = [{ index = 0, by = \"-9%\" }, { index = 2, to = \"50%\" }]",
         ),
         (
             "axial",
@@ -383,7 +492,21 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
         "angle = \"50deg\"",
         "polynomial = [0, 0.1]",
     )];
-    let solid = if S::DIM == 3 { solid } else { &[] };
+    let plane: &[(&'static str, &str, &str, &str)] = &[
+        (
+            "lines",
+            "a = \"3%\"\n",
+            "line = [{ source = [\"20%\", [\"60%\", \"30%\"]], by = \"9%\" }]",
+            "line = [{ source = [\"20%\", [\"60%\", \"30%\"]], target = [\"10%\", \"90%\"] }]",
+        ),
+        (
+            "global-lines",
+            "p = 1\n",
+            "line = [{ source = [\"20%\", [\"60%\", \"30%\"]], by = \"9%\" }, { source = [\"70%\", \"90%\"] }]",
+            "line = [{ source = [\"20%\", [\"60%\", \"30%\"]] }, { source = [\"70%\", \"90%\"], by = \"9%\" }]",
+        ),
+    ];
+    let solid = if S::DIM == 3 { solid } else { plane };
     let setting = |kind, common: &str, own: &str| Setting {
         kind,
         toml: List::<S>::text(&format!("{common}{own}")),

@@ -21,7 +21,37 @@ pub enum FeatureError {
     },
     /// The map from source to target has entries beyond the range of numbers.
     #[error(
-        "the map from the source frame to the target overflows; the frames differ too much in size"
+        "the map from the source to the target overflows; they differ too much in size or place"
     )]
     Overflow,
+    /// An element has no corner, or more edges than the space has dimensions.
+    #[error("an element of the {space} has 1 to {most} corners, and {found} are given")]
+    Corners {
+        /// The space's name.
+        space: &'static str,
+        /// How many corners were given.
+        found: usize,
+        /// How many the space allows.
+        most: usize,
+    },
+    /// The edges of a rectangle or box are dependent.
+    #[error(
+        "the {what} is flat: its edges lie in one {flat}; move a corner, or give fewer corners to a feature of less extent"
+    )]
+    Flat {
+        /// Which part of the feature.
+        what: &'static str,
+        /// What they lie in: `"line"` or `"plane"`.
+        flat: &'static str,
+    },
+    /// A source and a target with different numbers of corners.
+    #[error(
+        "the source has {source_corners} corners and the target {target_corners}; give both as many"
+    )]
+    Unlike {
+        /// Corners of the source.
+        source_corners: usize,
+        /// Corners of the target.
+        target_corners: usize,
+    },
 }

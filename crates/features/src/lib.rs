@@ -1,6 +1,6 @@
 //! Features: the things a user places on a model, and where they should go.
 //!
-//! A feature pair is a source and a target of one kind: [`PointPair`], [`FramePair`]. It knows the affine map that takes
+//! A feature pair is a source and a target of one kind: [`PointPair`], [`FramePair`], [`ElementPair`]. It knows the affine map that takes
 //! the one to the other, the centre about which that map is scaled, and the [marks](anamorph_core::Mark) that show it in
 //! a picture. How strongly and how far it acts is a warp's business.
 //!
@@ -16,11 +16,13 @@
 //! # Ok::<(), anamorph_features::FeatureError>(())
 //! ```
 
+mod element;
 mod error;
 mod frame;
 mod point;
 mod spread;
 
+pub use element::{Element, ElementPair};
 pub use error::FeatureError;
 pub use frame::{Frame, FramePair};
 pub use point::PointPair;

@@ -1,6 +1,7 @@
 //! The classic geometric warps, one file each.
 //!
 //! - [`features`]: free-standing points, coordinate frames, and the vortex.
+//! - [`lines`]: lines of the plane, points, segments, rectangles and boxes, by their distance.
 //! - [`lattices`]: free-form deformation with Bernstein polynomials, B-splines, and lattices of frames.
 //! - [`cages`]: control points and frames as wires that a modeller edits.
 //! - [`barr`]: taper, twist, bend and the generalized deformation along an axis.
@@ -27,6 +28,7 @@ pub mod barr;
 pub mod cages;
 pub mod features;
 pub mod lattices;
+pub mod lines;
 pub mod meshes;
 #[cfg(feature = "recipe")]
 pub mod registry;

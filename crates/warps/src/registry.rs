@@ -4,9 +4,9 @@
 //!
 //! *Source*: Milliron et al. 2002, §3–§6 for the order.
 
-use crate::{barr, features, lattices, meshes};
+use crate::{barr, features, lattices, lines, meshes};
 use anamorph_catalog::WarpEntry;
-use anamorph_core::Solid;
+use anamorph_core::{Plane, Solid};
 use anamorph_transforms::Rotational;
 
 /// Warps that work in the plane and in space.
@@ -18,10 +18,19 @@ fn both<S: Rotational>() -> Vec<WarpEntry<S>> {
         lattices::parameters::lattice(),
         lattices::parameters::spline_lattice(),
         lattices::parameters::frame_lattice(),
+        lines::parameters::elements(),
         barr::parameters::taper(),
         barr::parameters::bend(),
         barr::parameters::axial(),
         meshes::parameters::mesh(),
+    ]
+}
+
+/// Warps of the plane alone.
+fn plane_only() -> Vec<WarpEntry<Plane>> {
+    vec![
+        lines::parameters::local_lines(),
+        lines::parameters::global_lines(),
     ]
 }
 
@@ -31,8 +40,10 @@ fn solid_only() -> Vec<WarpEntry<Solid>> {
 }
 
 /// The warps of the plane.
-pub fn plane() -> Vec<WarpEntry<anamorph_core::Plane>> {
-    both()
+pub fn plane() -> Vec<WarpEntry<Plane>> {
+    let mut all = both();
+    all.extend(plane_only());
+    all
 }
 
 /// The warps of space.

@@ -85,11 +85,13 @@ pub(super) static PARTS: &[Part] = &[
     },
     Part {
         title: "Warps of the literature, cast in the framework",
-        about: "Lattices and axes: known deformations as weighted averages of scaled transformations.",
+        about: "Lattices, lines and axes: known deformations as weighted averages of scaled transformations.",
         scenes: &[
             scene!("lattice", SPOT, BackQuarter),
             scene!("cage", SPOT, BackQuarter, "cage.obj", "cage-edited.obj"),
             scene!("spline-lattice", SPOT, BackQuarter),
+            scene!("lines", GRID, Front),
+            scene!("elements", TEAPOT, ThreeQuarter),
             scene!("taper", TEAPOT, ThreeQuarter),
             scene!("twist", SPOT, BackQuarter),
             scene!("bend", TEAPOT, Front),
@@ -99,7 +101,10 @@ pub(super) static PARTS: &[Part] = &[
     Part {
         title: "Variants that the framework invents",
         about: "What becomes possible when the parts of a warp are exchanged.",
-        scenes: &[scene!("frame-lattice", SPOT, BackQuarter)],
+        scenes: &[
+            scene!("frame-lattice", SPOT, BackQuarter),
+            scene!("global-lines", GRID, Front),
+        ],
     },
     Part {
         title: "Stacks and masks",

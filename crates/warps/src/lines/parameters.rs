@@ -1,0 +1,303 @@
+//! How recipes describe lines and other elements.
+//!
+//! *Source*: Milliron et al. 2002, §4.2, §5.2; `a`, `b` and `p` are Beier and Neely's (SIGGRAPH 1992); the notation is a
+//! decision.
+
+use super::elements::ElementWarp;
+use super::{ElementError, WeightConstants, global, local};
+use anamorph_catalog::schemars::JsonSchema;
+use anamorph_catalog::{
+    Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse, schemars,
+};
+use anamorph_core::{Plane, Scaling, Space};
+use anamorph_features::ElementPair;
+use anamorph_transforms::Rotational;
+use serde::Deserialize;
+
+/// One source line and where it goes.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct LineParameters {
+    /// Both ends of the source line, first its beginning.
+    source: Vec<Place>,
+    /// Both ends of the target line.
+    target: Option<Vec<Place>>,
+    /// The offset from source to target, instead of `target`. With neither the line stays.
+    by: Option<Offset>,
+    /// Added to the distance to this line.
+    a: Option<Length>,
+    /// How fast its weight falls off with distance.
+    b: Option<f64>,
+    /// How much its weight grows with its length.
+    p: Option<f64>,
+}
+
+/// Source lines are carried to their targets, and the rest follows.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct LinesParameters {
+    /// The lines.
+    #[serde(default)]
+    line: Vec<LineParameters>,
+    /// Added to the distance to lines that say nothing themselves, 0 if left out: then lines are met exactly.
+    a: Option<Length>,
+    /// How fast their weights fall off with distance, 2 if left out; 0 for not at all.
+    b: Option<f64>,
+    /// How much their weights grow with their lengths, 0 if left out: not at all; 1 in proportion.
+    p: Option<f64>,
+}
+
+/// One source element and where it goes.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct ElementParameters {
+    /// One place for a point, two for the ends of a segment, three for a corner of a rectangle and the two next to it, four
+    /// for a corner of a box and the three next to it.
+    source: Vec<Place>,
+    /// As many places for the target.
+    target: Option<Vec<Place>>,
+    /// The offset from source to target, instead of `target`. With neither the element stays.
+    by: Option<Offset>,
+    /// Added to the distance to this element.
+    a: Option<Length>,
+    /// How fast its weight falls off with distance.
+    b: Option<f64>,
+    /// How much its weight grows with its size.
+    p: Option<f64>,
+}
+
+/// Source points, segments, rectangles and boxes are carried to their targets, and the rest follows.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct ElementsParameters {
+    /// The elements.
+    #[serde(default)]
+    element: Vec<ElementParameters>,
+    /// Added to the distance to elements that say nothing themselves, 0 if left out: then elements are met exactly.
+    a: Option<Length>,
+    /// How fast their weights fall off with distance, 2 if left out; 0 for not at all.
+    b: Option<f64>,
+    /// How much their weights grow with their sizes, 0 if left out: not at all; 1 in proportion to the mean length of the
+    /// edges.
+    p: Option<f64>,
+}
+
+/// The constants of one feature's weight, from its own parameters or the warp's.
+fn constants<S: Space>(
+    path: &str,
+    own: (Option<Length>, Option<f64>, Option<f64>),
+    common: (Option<Length>, Option<f64>, Option<f64>),
+    context: &Context<'_, S>,
+) -> Result<WeightConstants, ConstructError> {
+    let place = |key: &str, is_own: bool| {
+        if is_own {
+            format!("{path}.{key}")
+        } else {
+            key.to_owned()
+        }
+    };
+    let positive = |key: &str, is_own: bool, value: f64| {
+        if value >= 0.0 && value.is_finite() {
+            return Ok(value);
+        }
+        let message = format!("the number is {value}, and must not be negative");
+        Err(ConstructError::new(place(key, is_own), message)
+            .with_hint("write 0 or a positive number"))
+    };
+    let defaults = WeightConstants::default();
+    let number = |key: &str, own: Option<f64>, common: Option<f64>, default: f64| {
+        positive(key, own.is_some(), own.or(common).unwrap_or(default))
+    };
+    let a = match own.0.or(common.0) {
+        Some(length) => {
+            let value = length.resolve(&place("a", own.0.is_some()), context)?;
+            positive("a", own.0.is_some(), value)?
+        }
+        None => defaults.a,
+    };
+    Ok(WeightConstants {
+        a,
+        b: number("b", own.1, common.1, defaults.b)?,
+        p: number("p", own.2, common.2, defaults.p)?,
+    })
+}
+
+/// The pair of one feature.
+fn pair<S: Space>(
+    path: &str,
+    source: &[Place],
+    target: Option<&Vec<Place>>,
+    by: Option<&Offset>,
+    context: &Context<'_, S>,
+) -> Result<ElementPair<S>, ConstructError> {
+    let places = |key: &str, list: &[Place]| {
+        let all = list.iter().enumerate();
+        all.map(|(i, place)| place.resolve(&format!("{path}.{key}.{i}"), context))
+            .collect::<Result<Vec<S>, _>>()
+    };
+    let (key, count) = ("source", source.len());
+    let source = places(key, source)?;
+    let (key, target) = match (target, by) {
+        (Some(_), Some(_)) => {
+            let message = "both `target` and `by` are given";
+            return Err(ConstructError::new(format!("{path}.by"), message)
+                .with_hint("write the target with its places, or as an offset with `by`"));
+        }
+        (Some(target), None) => ("target", places("target", target)?),
+        (None, Some(by)) => {
+            let offset: S = by.resolve(&format!("{path}.by"), context)?;
+            ("by", source.iter().map(|&p| p + offset).collect())
+        }
+        (None, None) => (key, source.clone()),
+    };
+    if count != target.len() {
+        let message = format!(
+            "the source has {count} places and the target {}",
+            target.len()
+        );
+        return Err(ConstructError::new(format!("{path}.target"), message)
+            .with_hint("write as many, in the same order"));
+    }
+    // Which of the two is at fault.
+    anamorph_features::Element::new(&source)
+        .map_err(|error| ConstructError::new(format!("{path}.source"), error.to_string()))?;
+    ElementPair::of_corners(&source, &target)
+        .map_err(|error| ConstructError::new(format!("{path}.{key}"), error.to_string()))
+}
+
+/// An error of a feature of the list `list`.
+fn located(list: &str, error: &ElementError) -> ConstructError {
+    let number = error.feature();
+    let (key, message) = match error {
+        ElementError::Constant { constant, .. } => (format!(".{constant}"), error.to_string()),
+        ElementError::Feature { error, .. } => (String::new(), error.to_string()),
+        ElementError::NoLine { .. } => (".source".to_owned(), error.to_string()),
+        ElementError::ShortNormal { .. } => (String::new(), error.to_string()),
+    };
+    ConstructError::new(format!("{list}.{number}{key}"), message)
+}
+
+/// Builds one of the two warps by lines.
+fn lines(
+    value: &Value,
+    context: &Context<'_, Plane>,
+    construct: impl Fn(
+        &[(ElementPair<Plane>, WeightConstants)],
+        Scaling,
+    ) -> Result<ElementWarp<Plane>, ElementError>,
+) -> Result<Built<Plane>, ConstructError> {
+    let p: LinesParameters = parse(value)?;
+    let mut all = Vec::new();
+    for (i, line) in p.line.iter().enumerate() {
+        let path = format!("line.{i}");
+        for (key, list) in [
+            ("source", Some(&line.source)),
+            ("target", line.target.as_ref()),
+        ] {
+            if let Some(list) = list.filter(|list| list.len() != 2) {
+                let message = format!("a line has 2 ends, and {} are given", list.len());
+                return Err(ConstructError::new(format!("{path}.{key}"), message)
+                    .with_hint("write [[x, y], [x, y]]"));
+            }
+        }
+        let (target, by) = (line.target.as_ref(), line.by.as_ref());
+        let pair = pair(&path, &line.source, target, by, context)?;
+        let own = (line.a, line.b, line.p);
+        all.push((pair, constants(&path, own, (p.a, p.b, p.p), context)?));
+    }
+    if all.is_empty() {
+        return Err(ConstructError::new("line", "there is no line").with_hint(
+            "add a table `[[warp.line]]` with `source` and `target`, each both ends of a line",
+        ));
+    }
+    let scaling = context.scaling.unwrap_or(Scaling::Displacement);
+    let warp = construct(&all, scaling).map_err(|error| located("line", &error))?;
+    Ok(Built {
+        marks: warp.marks(),
+        warp: Box::new(warp),
+    })
+}
+
+/// The registry entry of the feature lines.
+pub(crate) fn local_lines() -> WarpEntry<Plane> {
+    WarpEntry {
+        kind: "lines",
+        system: "B10",
+        figure: "§4.2, Fig. 11",
+        summary: "carries source lines to their targets; the rest follows, each point the nearer lines",
+        reference: "T. Beier and S. Neely, Feature-Based Image Metamorphosis, SIGGRAPH 1992",
+        example: "line = [{ source = [[\"20%\", \"50%\"], [\"80%\", \"50%\"]], target = [[\"30%\", \"60%\"], [\"70%\", \"80%\"]] },\n\
+                  { source = [[\"10%\", \"10%\"], [\"90%\", \"10%\"]] }]\n",
+        schema: LinesParameters::json_schema,
+        construct: |value, context| lines(value, context, local::construct),
+    }
+}
+
+/// The registry entry of the global feature lines.
+pub(crate) fn global_lines() -> WarpEntry<Plane> {
+    WarpEntry {
+        kind: "global-lines",
+        system: "B12",
+        figure: "§5.2, Fig. 15",
+        summary: "as lines, but each is turned across by what all of them do: a shear of lines shears the plane",
+        reference: "Milliron, Jensen, Barzel and Finkelstein, A Framework for Geometric Warps and Deformations, ACM TOG \
+                    21(1), 2002, §5.2",
+        example: "a = \"1%\"\n\
+                  line = [{ source = [[\"20%\", \"50%\"], [\"80%\", \"50%\"]], target = [[\"20%\", \"60%\"], [\"80%\", \"40%\"]] },\n\
+                  { source = [[\"50%\", \"20%\"], [\"50%\", \"80%\"]], target = [[\"40%\", \"20%\"], [\"70%\", \"80%\"]] }]\n",
+        schema: LinesParameters::json_schema,
+        construct: |value, context| lines(value, context, global::construct),
+    }
+}
+
+/// The registry entry of the elements.
+pub(crate) fn elements<S: Rotational>() -> WarpEntry<S> {
+    fn construct<S: Rotational>(
+        value: &Value,
+        context: &Context<'_, S>,
+    ) -> Result<Built<S>, ConstructError> {
+        let p: ElementsParameters = parse(value)?;
+        let mut all = Vec::new();
+        for (i, element) in p.element.iter().enumerate() {
+            let path = format!("element.{i}");
+            let (target, by) = (element.target.as_ref(), element.by.as_ref());
+            let pair = pair(&path, &element.source, target, by, context)?;
+            let own = (element.a, element.b, element.p);
+            all.push((pair, constants(&path, own, (p.a, p.b, p.p), context)?));
+        }
+        if all.is_empty() {
+            return Err(
+                ConstructError::new("element", "there is no element").with_hint(
+                    "add a table `[[warp.element]]` with `source` and `target`, each the places of its corners",
+                ),
+            );
+        }
+        let scaling = context.scaling.unwrap_or(Scaling::Displacement);
+        let warp =
+            ElementWarp::construct(&all, scaling).map_err(|error| located("element", &error))?;
+        Ok(Built {
+            marks: warp.marks(),
+            warp: Box::new(warp),
+        })
+    }
+    WarpEntry {
+        kind: "elements",
+        system: "B11",
+        figure: "§4.2",
+        summary: "carries points, segments, rectangles and boxes to their targets; the rest follows",
+        reference: "A. Lerios, C. D. Garfinkle and M. Levoy, Feature-Based Volume Metamorphosis, SIGGRAPH 1995",
+        example: if S::DIM == 2 {
+            "element = [{ source = [\"20%\"], by = \"10%\" },\n\
+             { source = [[\"60%\", \"60%\"], [\"90%\", \"60%\"], [\"60%\", \"90%\"]], \
+             target = [[\"60%\", \"50%\"], [\"100%\", \"60%\"], [\"50%\", \"90%\"]] }]\n"
+        } else {
+            "element = [{ source = [\"20%\"], by = \"10%\" },\n\
+             { source = [[\"50%\", \"20%\", \"50%\"], [\"50%\", \"50%\", \"50%\"]], \
+             target = [[\"50%\", \"20%\", \"50%\"], [\"70%\", \"60%\", \"50%\"]] },\n\
+             { source = [[\"60%\", \"70%\", \"40%\"], [\"90%\", \"70%\", \"40%\"], [\"60%\", \"90%\", \"40%\"], \
+             [\"60%\", \"70%\", \"70%\"]] }]\n"
+        },
+        schema: ElementsParameters::json_schema,
+        construct: construct::<S>,
+    }
+}
