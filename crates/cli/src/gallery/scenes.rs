@@ -104,6 +104,7 @@ pub(super) static PARTS: &[Part] = &[
         scenes: &[
             scene!("frame-lattice", SPOT, BackQuarter),
             scene!("global-lines", GRID, Front),
+            scene!("mesh", SPOT, BackQuarter),
         ],
     },
     Part {
