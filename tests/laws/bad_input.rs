@@ -451,6 +451,33 @@ const ROWS: &[Row] = &[
         "shift.0.2",
         "percentage",
     ),
+    ("mesh", "", "points", "no coarse mesh"),
+    ("mesh", "points = [\"10%\", \"50%\"]", "edges", "no edge"),
+    (
+        "mesh",
+        "points = [\"10%\", \"50%\"]\nedges = [[0, 2]]",
+        "edges",
+        "vertex 2",
+    ),
+    (
+        "mesh",
+        "points = [\"10%\", \"50%\"]\nedges = [[0, 1]]\nmu = 1.5",
+        "mu",
+        "at most 1",
+    ),
+    (
+        "mesh",
+        "points = [\"10%\", \"50%\"]\nedges = [[0, 1]]\nmove = [{ index = 2, by = \"1%\" }]",
+        "move.0.index",
+        "no vertex 2",
+    ),
+    (
+        "mesh",
+        "points = [\"10%\", \"50%\"]\nedges = [[0, 1]]\nmove = [{ index = 1 }]",
+        "move.0",
+        "where to",
+    ),
+    ("mesh", "target = \"moved.obj\"", "target", "no `source`"),
 ];
 
 #[test]

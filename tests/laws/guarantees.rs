@@ -150,6 +150,8 @@ fn declared_proofs_hold_at_random_places<S: Registered>() {
             let image = Site::anywhere(warp.map(&site));
             if let Some(back) = warp.inverse_at(&image) {
                 let off = warp.map(&Site::anywhere(back)).distance(image.point);
+                // Numbers beyond the model's size lose digits of their own.
+                let size = size.max(image.point.largest());
                 assert!(off <= 1e-9 * size, "{subject}: {off}");
                 if facts.one_to_one().is_some() {
                     assert!(back.distance(site.point) <= 1e-9 * size, "{subject}");
@@ -428,7 +430,7 @@ fn a_lattice_made_to_fold_is_refuted_by_a_real_witness() {
     let turns = line.windows(2).any(|w| x(w[1]) < x(w[0]));
     assert!(turns);
     // Away from the fold nothing is claimed.
-    let ends = [line[0], line[20]];
+    let ends = [line[0], line[1]];
     let verdict = no_fold(&warp, &ends, subject.size());
     assert_eq!(verdict.verdict, Verdict::Unknown);
     assert!(verdict.witness.unwrap().value > 0.0);

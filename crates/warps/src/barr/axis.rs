@@ -330,10 +330,13 @@ impl<S: Space, L: Law> Deformation<S> for AxialWarp<S, L> {
     fn inverse_at(&self, image: &Site<S>) -> Option<S> {
         let q = self.frame.local(image.point);
         let back = self.law.inverse(q)?;
-        // The difference back, so that what does not move keeps its bits.
-        let e = &self.frame.basis;
-        let by = (0..3).fold(S::ZERO, |sum, i| sum + e[i] * (back[i] - q[i]));
-        Some(image.point.moved_by(by))
+        // What does not move keeps its bits; what does is placed anew, as differences of large numbers would lose the digits of
+        // small ones.
+        Some(if back == q {
+            image.point
+        } else {
+            self.frame.place(back)
+        })
     }
 }
 

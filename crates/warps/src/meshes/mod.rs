@@ -14,7 +14,7 @@ pub(crate) mod parameters;
 
 use anamorph_core::{
     Address, Affine, Condition, Deformation, Facts, Influences, Linear, Mark, Role, Shape, Site,
-    Smoothness, Space, Support, Unmapped, Warp, evaluate, evaluate_points,
+    Smoothness, Space, Support, Unmapped, Warp, evaluate,
 };
 use anamorph_transforms::Rotational;
 use cells::Cells;
@@ -433,13 +433,10 @@ impl<S: Rotational> Deformation<S> for MeshWarp<S> {
     }
 
     fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
-        if self.uncovered == Uncovered::Stay {
-            for (i, point) in points.iter_mut().enumerate() {
-                *point = self.map(&Site::new(first + i, *point));
-            }
-            return Unmapped::none();
+        for (i, point) in points.iter_mut().enumerate() {
+            *point = self.map(&Site::new(first + i, *point));
         }
-        evaluate_points(self, first, points)
+        Unmapped::none()
     }
 
     fn facts(&self) -> Facts<S> {
