@@ -124,6 +124,14 @@ fn too_many_points_were_refused_late_and_without_a_limit() {
         &format!("duration = 1\npath = {{ kind = \"b-spline\", points = [{points}] }}"),
         &["motion.path.points", "100001 points", "at most 100000"],
     );
+    let mut points = String::new();
+    for i in 0..50_000 {
+        let _ = write!(points, "[{i},{}],", i % 3);
+    }
+    refused(
+        &format!("duration = 1\npath = {{ kind = \"b-spline\", degree = 5, points = [{points}] }}"),
+        &["motion.path.points", "49995 pieces", "at most 10922"],
+    );
 }
 
 #[test]
@@ -253,7 +261,12 @@ fn documented_recipes_have_no_faults() {
         let recipe = std::fs::read_to_string(repository("docs/recipes").join(name)).unwrap();
         folder.put("m.toml", recipe);
         let text = folder.run(&["check", "m.toml"]).done().text();
-        assert!(text.contains("no faults"), "{text}");
+        // What is thrown starts and ends abruptly.
+        assert!(
+            text.contains("no faults") || name == "tumble.toml",
+            "{text}"
+        );
+        assert!(!text.contains("at once"), "{text}");
     }
 }
 
@@ -346,17 +359,14 @@ fn messages_that_led_astray() {
             speed("speeds = [[0, 1], [2, 1]], between = \"cubic\""),
             &["motion.speed.between", "`cubic`", "smooth"],
         ),
-        (
-            speed("ease = \"\""),
-            &["motion.speed.ease", "cannot be ``"],
-        ),
+        (speed("ease = \"\""), &["motion.speed.ease", "cannot be ``"]),
         (
             speed("ease = \"steps(4)\", count = 3"),
             &["motion.speed.count", "brackets"],
         ),
         (
             speed("speeds = [[0, 0], [2, 0]]"),
-            &["no free key has a speed", "cannot be met: no free key"],
+            &["no free key has a speed", "cannot be met; no free key"],
         ),
         (
             speed("accelerations = [[0, 0], [2, 0]]"),

@@ -160,6 +160,16 @@ pub enum CurveError {
         /// The family.
         family: &'static str,
     },
+    /// More pieces than lengths are measured of.
+    #[error(
+        "the curve has {pieces} pieces, but of its degree at most {most} are measured: take fewer points, or a lower degree"
+    )]
+    TooManyPieces {
+        /// How many it has.
+        pieces: usize,
+        /// How many it may have.
+        most: usize,
+    },
     /// A curve of no length where a length is needed.
     #[error("the curve has no length: all its points coincide; give it distinct points")]
     NoLength,

@@ -120,15 +120,21 @@ fn curves_whose_squares_vanish_were_slow() {
             let points: Vec<DVec3> = zigzag(4).iter().map(|p| *p * size).collect();
             let curve = path(kind, points, false);
             match LengthTable::new(curve.as_ref(), 1e-10 * size) {
-                Ok(table) => assert!(table.is_complete() && size == 1e-60, "{kind} {size}"),
+                Ok(table) => assert!(
+                    size >= 1e-150 && (size < 1e-60 || table.is_complete()),
+                    "{kind} {size}"
+                ),
                 Err(CurveError::OutOfRange { name, range, .. }) => {
-                    assert!(name.contains("length") && range.contains("1e-75") && size < 1e-60);
+                    assert!(
+                        name.contains("length") && range.contains("1e-150") && size < 1e-149,
+                        "{kind} {size}"
+                    );
                 }
                 Err(CurveError::NoLength) => assert!(size < 1e-150, "{kind} {size}"),
                 // The accuracy itself is no number any more.
                 Err(other) => assert!(size < 1e-300, "{kind} {size} {other}"),
             }
-            assert!(started.elapsed() < Duration::from_secs(2), "{kind} {size}");
+            assert!(started.elapsed() < SOON, "{kind} {size}");
         }
     }
 }
@@ -172,7 +178,7 @@ fn a_million_steps_were_diagnosed_for_half_a_minute() {
 
 fn moved(
     path: &Arc<dyn Path<Solid>>,
-    ease: impl anamorph_curves::eases::Ease + core::fmt::Debug + 'static,
+    ease: impl anamorph_curves::eases::Ease + 'static,
     share: f64,
 ) -> (Motion<Solid>, f64) {
     let length = path.length(1e-10);
@@ -302,7 +308,7 @@ fn turns_of(path: &Arc<dyn Path<Solid>>, frames: &dyn Orienter) -> Vec<(f64, f64
         let parameters: Vec<f64> = times.iter().map(|t| motion.parameter(*t)).collect();
         let all = frames.frames(&parameters);
         all.iter()
-            .map(|f| f.to_quaternion())
+            .map(anamorph_curves::orientation::Frame::to_quaternion)
             .collect::<Vec<DQuat>>()
     };
     let findings = motion.diagnose_turning(&mut rotations);
@@ -367,10 +373,7 @@ fn banking_jumped_where_the_curvature_does() {
         "banking",
         &[fast.clone(), ("smoothing", Value::Number(0.0))],
     );
-    assert!(
-        sharp.len() >= 3 && sharp.iter().any(|(_, angle)| *angle > 3.0),
-        "{sharp:?}"
-    );
+    assert!(sharp.iter().any(|(_, angle)| *angle > 10.0), "{sharp:?}");
     let soft = turns(&road, "banking", &[fast]);
     assert!(soft.is_empty(), "{soft:?}");
 }

@@ -1,5 +1,6 @@
 //! A motion at equal steps of time, and the table of it.
 
+use crate::files::short;
 use anamorph_core::Solid;
 use anamorph_core::glam::DQuat;
 use anamorph_recipe::BuiltMotion;
@@ -26,7 +27,9 @@ pub(crate) fn times(duration: f64, rate: f64) -> Result<Vec<f64>, String> {
     #[allow(clippy::cast_precision_loss)]
     if !(last >= 0.0 && last < MOST as f64) {
         return Err(format!(
-            "{duration} seconds at {rate} frames a second are more than {MOST} frames; lower --fps or --duration"
+            "{} seconds at {} frames a second are more than {MOST} frames; lower --fps or --duration",
+            short(duration),
+            short(rate)
         ));
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]

@@ -41,9 +41,9 @@ pub trait ArcLength<S: Space>: Differentiable<S> {
     }
 }
 
-/// [`ArcLength::effort`] by velocities, for each control point that a velocity is summed of: seven rules of 16 nodes over the one of 8
-/// of a cubic, whose rule is known.
-const BY_VELOCITY: usize = 16;
+/// [`ArcLength::effort`] by velocities, for each control point that a velocity is summed of: seven rules of 16 nodes, where a cubic,
+/// whose rule is known, has one of 8 and some work around it.
+const BY_VELOCITY: usize = 4;
 
 /// The accuracy that is possible and sensible: positive, and not below the rounding of the length.
 fn sensible(accuracy: f64, size: f64) -> f64 {

@@ -18,8 +18,8 @@ const MOST: usize = 1 << 20;
 
 /// The most work for a table, in lengths of cubics measured ([`ArcLength::effort`]): some seconds.
 const EFFORT: usize = 1 << 21;
-/// Lengths of curves from which squares and cubes of speeds stay within the range of numbers.
-const LENGTHS: core::ops::RangeInclusive<f64> = 1e-75..=1e75;
+/// Lengths of curves from which squares of speeds stay within the range of numbers.
+const LENGTHS: core::ops::RangeInclusive<f64> = 1e-150..=1e150;
 
 /// An interval of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +80,22 @@ pub struct LengthTable {
 }
 
 impl LengthTable {
+    /// Whether a curve has few enough pieces for a table: 262 144 cubic ones, and fewer of higher degree
+    /// ([`ArcLength::effort`]). Measuring more would take long.
+    ///
+    /// # Errors
+    ///
+    /// [`CurveError::TooManyPieces`].
+    pub fn check<S: Space, C: ArcLength<S> + ?Sized>(curve: &C) -> Result<(), CurveError> {
+        let pieces = curve.breaks().len().saturating_sub(1);
+        let most = EFFORT / 8 / curve.effort().max(1);
+        if pieces <= most {
+            Ok(())
+        } else {
+            Err(CurveError::TooManyPieces { pieces, most })
+        }
+    }
+
     /// Makes a table whose answers are within `accuracy` of the curve's length, in scene units.
     ///
     /// An accuracy below 1e-14 of the length is taken as that. Of a curve that no table of a million intervals describes to the
@@ -87,7 +103,8 @@ impl LengthTable {
     ///
     /// # Errors
     ///
-    /// An accuracy that is not positive, a curve without length, or one shorter than 1e-75 or longer than 1e75.
+    /// An accuracy that is not positive, a curve without length, or one shorter than 1e-150 or longer than 1e150; see also
+    /// [`Self::check`].
     pub fn new<S: Space, C: ArcLength<S> + ?Sized>(
         curve: &C,
         accuracy: f64,
@@ -99,6 +116,7 @@ impl LengthTable {
                 range: "a positive length",
             });
         }
+        Self::check(curve)?;
         let breaks = curve.breaks();
         let rough = curve.length(accuracy);
         if !(rough > 0.0 && rough.is_finite()) {
@@ -108,7 +126,7 @@ impl LengthTable {
             return Err(CurveError::OutOfRange {
                 name: "the length of the curve",
                 value: rough,
-                range: "from 1e-75 to 1e75, so that its square and cube are numbers: scale its points",
+                range: "from 1e-150 to 1e150, so that its square is a number: scale its points",
             });
         }
         let accuracy = accuracy.max(1e-14 * rough);

@@ -210,9 +210,7 @@ pub(super) fn scale(
             format!("free a key, or give a free one another {quantity}")
         };
         return Err(CurveError::Unreachable {
-            problem: format!(
-                "the distance {distance} cannot be met: {holds}{reason}; {mend}"
-            ),
+            problem: format!("the distance {distance} cannot be met: {holds}{reason}; {mend}"),
         });
     }
     let factor = missing / free;

@@ -234,6 +234,7 @@ fn build(table: &Values<'_>) -> Result<BuiltMotion, ConstructError> {
             .with_hint("write a number of seconds from 1e-6 to 1e9"));
     }
     let of_path = |error: anamorph_curves::CurveError| path::refused("path.points", &error);
+    anamorph_curves::LengthTable::check(path.curve.as_ref()).map_err(of_path)?;
     // Curves that swing far beyond their points are measured by their own size.
     let rough = path.curve.length(1e-3 * path.size);
     let size = if rough > 32.0 * path.size {
