@@ -13,7 +13,6 @@ use anamorph_core::glam::DQuat;
 use anamorph_core::{Bounds, Solid};
 use anamorph_io::Track;
 use anamorph_recipe::BuiltMotion;
-use serde_json::Value;
 
 /// Places between two keys at which errors are measured, and how many between many keys.
 const BETWEEN: u32 = 8;

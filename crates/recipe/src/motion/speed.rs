@@ -33,9 +33,9 @@ fn quiet(control: Box<dyn SpeedControl>) -> Built {
 
 /// What there is to say of keys at these times that are later than the end of the motion.
 pub(super) fn late(what: &str, times: &[f64], duration: f64) -> Option<String> {
-    let reached = |time: &f64| *time <= duration * (1.0 + 1e-12);
-    let first = times.iter().position(|time| !reached(time))?;
-    let last = times.len() - 1;
+    let beyond = |time: &f64| *time > duration * (1.0 + 1e-12);
+    let first = times.iter().position(beyond)?;
+    let last = times.iter().rposition(beyond)?;
     let which = if first == last {
         format!("key {first} of {what}, at {},", short(times[first]))
     } else {
