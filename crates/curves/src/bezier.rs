@@ -299,6 +299,11 @@ impl<S: Space> PiecewiseBezier<S> {
         &self.pieces
     }
 
+    /// The breaks, where they are.
+    pub(crate) fn breaks_in_place(&self) -> &[f64] {
+        &self.breaks
+    }
+
     fn locate(&self, parameter: f64) -> (usize, f64, f64) {
         let last = self.pieces.len() - 1;
         let index = self.breaks[1..=last].partition_point(|b| *b <= parameter);

@@ -36,7 +36,8 @@ pub enum CurveError {
     },
     /// Times, nodes or keys that do not increase.
     #[error(
-        "{what} {index} is {value}, not greater than the one before it, {before}: sort them and remove equal ones"
+        "{what} {index} is {}, not greater than the one before it, {}: sort them and remove equal ones",
+        Exact(*value), Exact(*before)
     )]
     NotIncreasing {
         /// What the list holds: `"time"`, `"node"`, …
@@ -48,8 +49,23 @@ pub enum CurveError {
         /// The value before it.
         before: f64,
     },
+    /// Knots that decrease.
+    #[error(
+        "{what} {index} is {}, less than the one before it, {}: sort them",
+        Exact(*value), Exact(*before)
+    )]
+    Decreasing {
+        /// What the list holds.
+        what: &'static str,
+        /// Place of the first that is less than the one before it.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// The value before it.
+        before: f64,
+    },
     /// Two lists that belong together have different lengths.
-    #[error("there are {found} {what}, but {expected} {of} need {needed}: give one for each")]
+    #[error("there are {found} {what}, but {expected} {of} need {needed}: add or remove some")]
     Mismatch {
         /// What there is a wrong number of.
         what: &'static str,
@@ -63,7 +79,7 @@ pub enum CurveError {
         expected: usize,
     },
     /// A parameter outside its range.
-    #[error("{name} is {value}, but must be {range}")]
+    #[error("{name} is {}, but must be {range}", Short(*value))]
     OutOfRange {
         /// The parameter.
         name: &'static str,
@@ -73,7 +89,7 @@ pub enum CurveError {
         range: &'static str,
     },
     /// An element of a list outside its range.
-    #[error("{what} {index} is {value}, but must be {range}")]
+    #[error("{what} {index} is {}, but must be {range}", Exact(*value))]
     ElementOutOfRange {
         /// What the list holds.
         what: &'static str,
@@ -138,9 +154,54 @@ pub enum CurveError {
         /// What was given.
         what: String,
     },
+    /// A family whose curves are always open.
+    #[error("a {family} curve cannot be closed: leave `closed` out, or take another family")]
+    NotClosed {
+        /// The family.
+        family: &'static str,
+    },
+    /// More pieces than lengths are measured of.
+    #[error(
+        "the curve has {pieces} pieces, but of its degree at most {most} are measured: take fewer points, or a lower degree"
+    )]
+    TooManyPieces {
+        /// How many it has.
+        pieces: usize,
+        /// How many it may have.
+        most: usize,
+    },
     /// A curve of no length where a length is needed.
     #[error("the curve has no length: all its points coincide; give it distinct points")]
     NoLength,
+}
+
+/// A number with all digits that tell it from others, and no more zeros than needed.
+struct Exact(f64);
+
+impl core::fmt::Display for Exact {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let size = self.0.abs();
+        if size != 0.0 && size.is_finite() && !(1e-4..1e9).contains(&size) {
+            write!(f, "{:e}", self.0)
+        } else {
+            write!(f, "{}", self.0)
+        }
+    }
+}
+
+/// A number with at most six significant digits, for people.
+pub(crate) struct Short(pub(crate) f64);
+
+impl core::fmt::Display for Short {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let rounded: f64 = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
+        let size = rounded.abs();
+        if size != 0.0 && size.is_finite() && !(1e-4..1e9).contains(&size) {
+            write!(f, "{rounded:e}")
+        } else {
+            write!(f, "{rounded}")
+        }
+    }
 }
 
 /// Refuses a list of points or numbers with one that is not finite.

@@ -476,7 +476,7 @@ fn knots_are_checked() {
     ));
     assert!(matches!(
         spline(vec![0.0, 1.0, 2.0, 3.0, 2.5, 5.0, 6.0, 7.0]),
-        Err(CurveError::NotIncreasing { index: 4, .. })
+        Err(CurveError::Decreasing { index: 4, .. })
     ));
     assert!(matches!(
         spline(vec![0.0, 1.0, 2.0, 3.0, f64::NAN, 5.0, 6.0, 7.0]),

@@ -2,7 +2,8 @@
 //!
 //! The schemas are those that `schemars` derives, so a table without `additionalProperties` that names properties is
 //! taken as closed. Of alternatives (`anyOf`, `oneOf`) those are followed that fit the value best at its own level; a
-//! constant (`field = "radial"`) decides before anything else does. The work is linear in the size of the value: only
+//! constant that must be there (`field = "radial"`) decides before anything else does; one that may be left out
+//! (`between = "linear"`) hardly counts, so that a wrong word does not make the right keys beside it unknown. The work is linear in the size of the value: only
 //! one level of a value is compared with each alternative.
 
 use crate::names::suggestion;
@@ -19,6 +20,8 @@ const NESTING: usize = 32;
 const TYPE: usize = 1_000_000;
 /// Cost of another constant than the schema's.
 const CONSTANT: usize = 10_000;
+/// Cost of another constant than the schema's under a key that may be left out.
+const WORD: usize = 5;
 /// Cost of an unknown key.
 const KEY: usize = 10;
 /// Cost of a missing one.
@@ -245,7 +248,10 @@ impl<'a> Walk<'a> {
             cost += CONSTANT;
         }
         if let Value::Object(table) = value {
-            cost += CONSTANT * self.mismatches(shape, table).len();
+            for key in self.mismatches(shape, table) {
+                let decides = shape.required.contains(&key);
+                cost += if decides { CONSTANT } else { WORD };
+            }
             cost += KEY * table.keys().filter(|key| !shape.knows(key)).count();
             let missing = |key: &&&str| !table.contains_key(**key);
             cost += MISSING * shape.required.iter().filter(missing).count();
@@ -269,6 +275,12 @@ impl<'a> Walk<'a> {
             for shape in self.shapes(schema, 0) {
                 shapes.push((self.cost(&shape, value), shape));
             }
+        }
+        if let Value::Object(table) = value
+            && self.decides_nothing(table, &shapes)
+        {
+            self.report_choice(table, &shapes, path);
+            return;
         }
         let Some(least) = shapes.iter().map(|(cost, _)| *cost).min() else {
             return;
@@ -299,6 +311,37 @@ impl<'a> Walk<'a> {
             }
             _ => {}
         }
+    }
+
+    /// Whether a key by which alternatives are told apart has a word that none of them has.
+    fn decides_nothing(&self, table: &Map<String, Value>, shapes: &[(usize, Shape<'a>)]) -> bool {
+        let of_type = || shapes.iter().filter(|(cost, _)| *cost < TYPE);
+        let mut keys: BTreeSet<&str> = BTreeSet::new();
+        for (_, shape) in of_type() {
+            keys.extend(
+                shape
+                    .required
+                    .iter()
+                    .filter(|key| table.contains_key(**key)),
+            );
+        }
+        keys.into_iter().any(|key| {
+            let Some(word @ Value::String(_)) = table.get(key) else {
+                return false;
+            };
+            let mut any = false;
+            for (_, shape) in of_type() {
+                let Some(schemas) = shape.properties.get(key) else {
+                    continue;
+                };
+                let constants = self.constants(schemas);
+                if constants.is_empty() || constants.contains(&word) {
+                    return false;
+                }
+                any = true;
+            }
+            any
+        })
     }
 
     fn table(

@@ -9,9 +9,11 @@ use crate::motion::drawing::{self, Palette};
 use crate::motion::frames::{self, Frames};
 use crate::motion::{shapes, tracks};
 use anamorph_core::Solid;
+use anamorph_curves::motion::Finding;
 use anamorph_io::{MovingNode, WriteError, write_motion};
 use anamorph_recipe::{BuiltMotion, Subject};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What is written.
@@ -49,11 +51,21 @@ impl Kind {
 
 /// Vertical field of view of a camera: that of a 50 mm lens.
 const FIELD_OF_VIEW: f64 = 0.471;
+/// Pixels of a side of a picture.
+const SIDES: std::ops::RangeInclusive<u32> = 1..=16384;
 /// Points of the line that shows the path in a glTF.
 const LINE: u32 = 512;
 
 pub(crate) fn run(options: &MotionOptions) -> Result<(), Failure> {
     let kind = Kind::of(&options.output)?;
+    let sides = [options.size.0, options.size.1];
+    if matches!(kind, Kind::Svg | Kind::Png) && !sides.iter().all(|side| SIDES.contains(side)) {
+        return Err(Failure::usage(format!(
+            "--size: a picture is from {} to {} pixels wide and high",
+            SIDES.start(),
+            SIDES.end()
+        )));
+    }
     let report = options.report.as_ref();
     if report.is_some_and(|path| files::is_stream(path)) {
         return Err(Failure::usage(
@@ -95,16 +107,46 @@ pub(crate) fn run(options: &MotionOptions) -> Result<(), Failure> {
     write(options, kind, &built, &name)
 }
 
-/// Warnings about a motion, one a line.
+/// Warnings of a kind that are printed, and findings of a kind that stand in a report; the rest is counted.
+const SHOWN: usize = 8;
+const REPORTED: usize = 1000;
+
+/// The first findings of each kind, and how many there are besides, by kind.
+fn first(findings: &[Finding], most: usize) -> (Vec<&Finding>, BTreeMap<&'static str, usize>) {
+    let (mut counts, mut more) = (BTreeMap::new(), BTreeMap::new());
+    let shown = findings.iter().filter(|finding| {
+        let count = counts.entry(finding.kind()).or_insert(0_usize);
+        *count += 1;
+        if *count > most {
+            *more.entry(finding.kind()).or_insert(0) += 1;
+        }
+        *count <= most
+    });
+    (shown.collect(), more)
+}
+
+/// Warnings about a motion, one a line: at most eight of a kind.
 pub(crate) fn warnings(built: &BuiltMotion) -> Vec<String> {
-    let changes = built.changes.iter().map(ToString::to_string);
-    let findings = built.findings.iter().map(ToString::to_string);
-    changes.chain(findings).collect()
+    let mut all: Vec<String> = built.notes.iter().take(SHOWN).cloned().collect();
+    let beyond = |count: usize, what: &str| {
+        let more = count.saturating_sub(SHOWN);
+        (more > 0).then(|| format!("and {more} more {what}"))
+    };
+    all.extend(beyond(built.notes.len(), "such keys"));
+    all.extend(built.changes.iter().take(SHOWN).map(ToString::to_string));
+    all.extend(beyond(built.changes.len(), "speeds that could not be had"));
+    let (shown, more) = first(&built.findings, SHOWN);
+    all.extend(shown.iter().map(ToString::to_string));
+    all.extend(
+        more.iter()
+            .map(|(kind, count)| format!("and {count} more {kind}")),
+    );
+    all
 }
 
 /// A motion for reports.
 pub(crate) fn described(built: &BuiltMotion) -> Value {
-    let findings = built.findings.iter();
+    let (findings, more) = first(&built.findings, REPORTED);
     let changes = built.changes.iter().map(ToString::to_string);
     json!({
         "duration": built.motion.duration(),
@@ -119,8 +161,11 @@ pub(crate) fn described(built: &BuiltMotion) -> Value {
             Subject::Object => "object",
             Subject::Camera => "camera",
         },
+        "notes": built.notes,
         "changes": changes.collect::<Vec<_>>(),
+        "more": more,
         "findings": findings
+            .iter()
             .map(|f| json!({ "time": f.time(), "text": f.to_string() }))
             .collect::<Vec<_>>(),
     })
@@ -146,14 +191,15 @@ fn write(
     about["frames"] = json!(count);
     about["fps"] = json!(options.fps);
     let mut done = format!("{count} frames");
+    let mut coarse = None;
     match kind {
         Kind::Table => {
-            let frames = Frames::at(built, times);
+            let frames = Frames::at(built, times, options.fps);
             finite(&frames, name)?;
             output.fill(|out| frames.write_csv(out))?;
         }
         Kind::Animation => {
-            let frames = Frames::at(built, times);
+            let frames = Frames::at(built, times, options.fps);
             finite(&frames, name)?;
             let (file, said) = animation(built, &frames)
                 .map_err(|error| Failure::new(format!("{name}: {error}")))?;
@@ -176,6 +222,7 @@ fn write(
                         .to_degrees()
                 ),
             );
+            coarse = tracks::coarse(built);
             about["tracks"] = said;
         }
         Kind::Svg | Kind::Png => {
@@ -204,7 +251,7 @@ fn write(
     }
     files::keep_all(all)?;
     if !options.quiet {
-        for warning in warnings(built) {
+        for warning in warnings(built).into_iter().chain(coarse) {
             say!("warning: {name}: {warning}");
         }
         say!(
@@ -222,11 +269,9 @@ fn finite(frames: &Frames, name: &str) -> Result<(), Failure> {
     let bad = frames.positions.iter().position(|p| !p.is_finite());
     let bad = bad.or_else(|| frames.speeds.iter().position(|v| !v.is_finite()));
     match bad {
-        // Speeds of eases may be infinite at single moments.
-        Some(index) if frames.positions[index].is_finite() => Ok(()),
         Some(index) => Err(Failure::new(format!(
-            "{name}: at {} seconds the motion is at no finite place; scale the path down",
-            frames.times[index]
+            "{name}: at {} seconds the motion is at no finite place, or infinitely fast; scale the path down",
+            short(frames.times[index])
         ))),
         None => Ok(()),
     }

@@ -52,10 +52,12 @@ impl Palette {
     };
 }
 
-/// Equal steps of time that are marked on the path.
-const TICKS: u32 = 24;
-/// Frames that are drawn at these steps: every second tick.
-const EACH: u32 = 2;
+/// Equal steps of time that are marked on the path: about as many, at most half as many more.
+const TICKS: f64 = 20.0;
+/// Ticks from which on only every second one has its frame drawn.
+const MANY_TICKS: usize = 16;
+/// Upright lines of faults in a plot; more would be one red area.
+const ALARMS: usize = 256;
 /// Points of the recipe that are drawn; more would hide the path.
 const MOST_POINTS: usize = 64;
 /// Straight pieces of the path, and of the plots.
@@ -167,6 +169,11 @@ pub(crate) fn figure(built: &BuiltMotion, size: [f64; 2], palette: &Palette) -> 
     figure
 }
 
+/// Times of a round number of seconds from each other, from 0 on.
+fn marks(duration: f64) -> Vec<f64> {
+    ticks(0.0, duration, TICKS)
+}
+
 /// Times from 0 to the end in equal steps.
 fn steps(duration: f64, count: u32) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| duration * (f64::from(i) / f64::from(count)))
@@ -186,7 +193,7 @@ fn draw_path(figure: &mut Figure, built: &BuiltMotion, frame: Frame, unit: f64, 
     let floor = bounds.min.y - 0.08 * size;
     let down = |p: Solid| Solid::new(p.x, floor, p.z);
     let arm = 0.075 * size;
-    let times: Vec<f64> = steps(motion.duration(), TICKS).collect();
+    let times = marks(motion.duration());
     let rotations = built.rotations(&times);
 
     let mut all: Vec<[f64; 2]> = line.iter().map(|p| view.at(*p)).collect();
@@ -201,6 +208,14 @@ fn draw_path(figure: &mut Figure, built: &BuiltMotion, frame: Frame, unit: f64, 
     if shown {
         all.extend(built.points.iter().map(|p| view.at(*p)));
     }
+    // What is looked at, unless the path would be a speck beside it.
+    let target = built.target.filter(|target| {
+        let far = (*target - bounds.min)
+            .length()
+            .max((*target - bounds.max).length());
+        far <= 4.0 * size
+    });
+    all.extend(target.map(|target| view.at(target)));
     let low = all
         .iter()
         .fold([f64::INFINITY; 2], |m, p| [m[0].min(p[0]), m[1].min(p[1])]);
@@ -235,7 +250,10 @@ fn draw_path(figure: &mut Figure, built: &BuiltMotion, frame: Frame, unit: f64, 
         }
     }
     if shown {
-        let polygon: Vec<[f64; 2]> = built.points.iter().map(|p| place(*p)).collect();
+        let mut polygon: Vec<[f64; 2]> = built.points.iter().map(|p| place(*p)).collect();
+        if path.is_closed() {
+            polygon.extend(polygon.first().copied());
+        }
         figure.line(&polygon, palette.faint.fading(0.35), unit);
         for at in polygon {
             figure.disc(at, 4.0 * unit, palette.faint);
@@ -244,8 +262,23 @@ fn draw_path(figure: &mut Figure, built: &BuiltMotion, frame: Frame, unit: f64, 
     }
     let drawn: Vec<[f64; 2]> = line.iter().map(|p| place(*p)).collect();
     figure.line(&drawn, palette.path, 2.6 * unit);
-    for (i, (time, q)) in (0_u32..).zip(times.iter().zip(&rotations)) {
-        if !i.is_multiple_of(EACH) {
+    if let Some(at) = target.map(place) {
+        let arm = 7.0 * unit;
+        for [x, y] in [[arm, arm], [arm, -arm]] {
+            let cross = [[at[0] - x, at[1] - y], [at[0] + x, at[1] + y]];
+            figure.line(&cross, palette.tick, 2.2 * unit);
+        }
+        figure.words(
+            [at[0] + 12.0 * unit, at[1] - 9.0 * unit],
+            11.0 * unit,
+            Anchor::Start,
+            palette.faint,
+            "target",
+        );
+    }
+    let each = if times.len() > MANY_TICKS { 2 } else { 1 };
+    for (i, (time, q)) in times.iter().zip(&rotations).enumerate() {
+        if !i.is_multiple_of(each) {
             continue;
         }
         let at = motion.position(*time);
@@ -286,7 +319,10 @@ fn heading(figure: &mut Figure, built: &BuiltMotion, frame: Frame, unit: f64, pa
     let (x, y) = (frame.left + 26.0 * unit, frame.top + 42.0 * unit);
     let title = format!("{} · {}", built.family, built.orientation);
     figure.words([x, y], 17.0 * unit, Anchor::Start, palette.ink, &title);
-    let step = built.motion.duration() / f64::from(TICKS);
+    let step = marks(built.motion.duration())
+        .get(1)
+        .copied()
+        .unwrap_or(0.0);
     let below = format!("a tick every {} s", number(step));
     let y = y + 32.0 * unit;
     figure.disc([x + 5.0 * unit, y - 5.0 * unit], 4.6 * unit, palette.tick);
@@ -378,11 +414,18 @@ fn draw_plots(
         }
     }
     times.sort_by(f64::total_cmp);
-    let alarms: Vec<f64> = built
+    // Faults that stand on the same pixels are one line.
+    let mut alarms: Vec<f64> = Vec::new();
+    for time in built
         .findings
         .iter()
         .filter_map(anamorph_curves::motion::Finding::time)
-        .collect();
+    {
+        let apart = duration / (4 * ALARMS) as f64;
+        if alarms.len() < ALARMS && alarms.last().is_none_or(|last| time - last > apart) {
+            alarms.push(time);
+        }
+    }
     let curves: [(&str, Vec<f64>, Ink); 2] = [
         (
             "distance",
@@ -457,7 +500,7 @@ fn draw_plots(
             .map(|(time, value)| [x(*time), y(*value)])
             .collect();
         figure.line(&points, ink, 2.6 * unit);
-        for time in steps(duration, TICKS) {
+        for time in marks(duration) {
             let value = if title == "distance" {
                 motion.distance(time)
             } else {
@@ -471,6 +514,18 @@ fn draw_plots(
             Anchor::Start,
             palette.ink,
             title,
+        );
+        let shown = values
+            .iter()
+            .copied()
+            .filter(|v| v.is_finite() && *v <= high);
+        let most = shown.fold(0.0_f64, f64::max);
+        figure.words(
+            [room.right, frame.top + 40.0 * unit],
+            small,
+            Anchor::End,
+            palette.faint,
+            &format!("up to {}", number(most)),
         );
         figure.words(
             [room.right, frame.bottom - 12.0 * unit],

@@ -1,5 +1,6 @@
 //! A motion at equal steps of time, and the table of it.
 
+use crate::files::short;
 use anamorph_core::Solid;
 use anamorph_core::glam::DQuat;
 use anamorph_recipe::BuiltMotion;
@@ -19,32 +20,51 @@ pub(crate) struct Frames {
     pub(crate) speeds: Vec<f64>,
 }
 
-/// The times of frames: from 0 on, `rate` a second, as many as begin within the duration.
+/// The times of frames: from 0 on, `rate` a second, as many as begin within the duration, and its end where none of them is there.
 pub(crate) fn times(duration: f64, rate: f64) -> Result<Vec<f64>, String> {
     // A product that is a whole number but for rounding counts as that.
     let last = (duration * rate * (1.0 + 1e-12)).floor();
     #[allow(clippy::cast_precision_loss)]
     if !(last >= 0.0 && last < MOST as f64) {
         return Err(format!(
-            "{duration} seconds at {rate} frames a second are more than {MOST} frames; lower --fps or --duration"
+            "{} seconds at {} frames a second are more than {MOST} frames; lower --fps or --duration",
+            short(duration),
+            short(rate)
         ));
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let last = last as u32;
-    Ok((0..=last)
+    let mut times: Vec<f64> = (0..=last)
         .map(|i| (f64::from(i) / rate).min(duration))
-        .collect())
+        .collect();
+    if times
+        .last()
+        .is_some_and(|last| duration - last > 1e-9 * duration)
+    {
+        times.push(duration);
+    }
+    Ok(times)
 }
 
 impl Frames {
-    /// The motion at `times`.
-    pub(crate) fn at(built: &BuiltMotion, times: Vec<f64>) -> Self {
+    /// The motion at `times`, `rate` a second. At moments at which an ease is infinitely fast its speed is the mean one over a
+    /// frame.
+    pub(crate) fn at(built: &BuiltMotion, times: Vec<f64>, rate: f64) -> Self {
         let motion = &built.motion;
+        let speed = |time: f64| {
+            let speed = motion.speed(time);
+            if speed.is_finite() {
+                return speed;
+            }
+            let from = (time - 0.5 / rate).max(0.0);
+            let to = (time + 0.5 / rate).min(motion.duration());
+            (motion.distance(to) - motion.distance(from)) / (to - from)
+        };
         Self {
             positions: times.iter().map(|t| motion.position(*t)).collect(),
             rotations: built.rotations(&times),
             distances: times.iter().map(|t| motion.distance(*t)).collect(),
-            speeds: times.iter().map(|t| motion.speed(*t)).collect(),
+            speeds: times.iter().map(|t| speed(*t)).collect(),
             times,
         }
     }
@@ -89,11 +109,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_begin_within_the_duration() {
+    fn frames_begin_within_the_duration_and_end_with_it() {
         assert_eq!(times(1.0, 4.0).unwrap(), [0.0, 0.25, 0.5, 0.75, 1.0]);
         assert_eq!(times(0.29, 100.0).unwrap().len(), 30);
-        assert_eq!(times(0.1, 1.0).unwrap(), [0.0]);
-        assert_eq!(times(1.0, 2.5).unwrap(), [0.0, 0.4, 0.8]);
+        assert_eq!(times(0.1, 1.0).unwrap(), [0.0, 0.1]);
+        assert_eq!(times(1.0, 2.5).unwrap(), [0.0, 0.4, 0.8, 1.0]);
         for (duration, rate) in [
             (1.0, 1e9),
             (1e9, 24.0),

@@ -2,12 +2,15 @@
 //!
 //! Positions are written as cubics where they are cubics of the time, which is tested, not assumed: between two knots of the
 //! motion the cubic through four of its points is compared with others. Elsewhere the track is straight from frame to frame. Rotations
-//! are written at the keys of the recipe where slerp from key to key is the motion, else at the frames. Either way the largest error
-//! that was met is said.
+//! are written at the keys of the recipe where slerp from key to key is the motion, else at the frames.
+//!
+//! Either way the largest error that was met is said: that of the numbers that are written, which have 32 bits, times too. Between
+//! keys it is measured as if a player computed without rounding.
 
 use super::frames::{Frames, MOST};
-use anamorph_core::Solid;
+use crate::files::short;
 use anamorph_core::glam::DQuat;
+use anamorph_core::{Bounds, Solid};
 use anamorph_io::Track;
 use anamorph_recipe::BuiltMotion;
 
@@ -31,13 +34,55 @@ pub(crate) struct Tracks {
     pub(crate) rotation_error: f64,
 }
 
+/// Share of the path's size from which rounding to 32 bits is seen.
+const COARSE: f64 = 1e-4;
+/// Half of the last place of 32-bit numbers, in shares of them, and of the smallest.
+const HALF: f64 = 6e-8;
+const LEAST: f64 = 7e-46;
+
+/// What there is to say of a path that 32-bit numbers hardly hold: far from the origin for its size, or too small.
+pub(crate) fn coarse(built: &BuiltMotion) -> Option<String> {
+    let (step, size) = ((HALF * size(built)).max(LEAST), extent(built));
+    (step > COARSE * size).then(|| {
+        format!(
+            "the 32-bit numbers of glTF hold places here to {} only, and the path is {} in size: move it to the origin, or scale it",
+            short(step),
+            short(size)
+        )
+    })
+}
+
+/// The largest side of the path's box.
+fn extent(built: &BuiltMotion) -> f64 {
+    let line = line(built);
+    Bounds::of(&line).map_or(0.0, |bounds| (bounds.max - bounds.min).max_element())
+}
+
+/// Places along the path.
+fn line(built: &BuiltMotion) -> Vec<Solid> {
+    let path = built.motion.path();
+    let (start, end) = path.domain();
+    let places = (0..=64).map(|i| path.point(start + (end - start) * (f64::from(i) / 64.0)));
+    places.collect()
+}
+
+/// A time as 32 bits hold it.
+fn time32(time: f64) -> f64 {
+    f64::from(time as f32)
+}
+
+/// A place as 32 bits hold it.
+fn place32(place: Solid) -> Solid {
+    place.as_vec3().as_dvec3()
+}
+
 /// The motion's tracks; `frames` are where they have keys if they cannot be exact.
 pub(crate) fn of(built: &BuiltMotion, frames: &Frames) -> Tracks {
     let size = size(built);
-    let (translation, translation_error) = match cubics(built, size) {
-        Some((track, error)) => (track, error),
-        None => straight(built, frames),
-    };
+    // What 32 bits leave open, but nothing that is seen.
+    let tolerance = (ROUNDING * size).min(1e-6 * extent(built));
+    let translation = cubics(built, tolerance).unwrap_or_else(|| straight(built, frames));
+    let translation_error = off(built, &translation);
     let (rotation, rotation_error) = rotation(built, frames);
     Tracks {
         translation,
@@ -49,10 +94,8 @@ pub(crate) fn of(built: &BuiltMotion, frames: &Frames) -> Tracks {
 
 /// The farthest that the path gets from the origin along an axis, at least its own size.
 pub(crate) fn size(built: &BuiltMotion) -> f64 {
-    let path = built.motion.path();
-    let (start, end) = path.domain();
-    let places = (0..=64).map(|i| path.point(start + (end - start) * (f64::from(i) / 64.0)));
-    places
+    line(built)
+        .into_iter()
         .map(|p| p.abs().max_element())
         .fold(f64::MIN_POSITIVE, f64::max)
 }
@@ -70,20 +113,49 @@ fn inside(from: f64, to: f64, count: u32) -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// The last of the frames is before the end of the motion where the frames do not divide it: the end is a key, too.
-pub(crate) fn with_end(times: &[f64], duration: f64) -> Vec<f64> {
-    let mut all = times.to_vec();
-    if all
-        .last()
-        .is_some_and(|last| duration - last > 1e-9 * duration)
-    {
-        all.push(duration);
+/// The largest distance between a track of places, as it is written, and the motion.
+fn off(built: &BuiltMotion, track: &Track<Solid>) -> f64 {
+    let motion = &built.motion;
+    let mut worst = 0.0_f64;
+    let mut compare = |value: Solid, time: f64| {
+        worst = worst.max((value - motion.position(time)).length());
+    };
+    match track {
+        Track::Linear(keys) => {
+            let count = places(keys.len());
+            for pair in keys.windows(2) {
+                let [(from, a), (to, b)] = [0, 1].map(|i| (time32(pair[i].0), place32(pair[i].1)));
+                compare(a, from);
+                for (share, time) in inside(from, to, count) {
+                    compare(a + (b - a) * share, time);
+                }
+                compare(b, to);
+            }
+        }
+        Track::Cubic(keys) => {
+            let count = places(keys.len());
+            for pair in keys.windows(2) {
+                let [(from, a), (to, b)] =
+                    [0, 1].map(|i| (time32(pair[i].0), pair[i].1.map(place32)));
+                let width = to - from;
+                for (x, time) in inside(from, to, count) {
+                    let (x2, x3) = (x * x, x * x * x);
+                    let value = a[1] * (2.0 * x3 - 3.0 * x2 + 1.0)
+                        + a[2] * (width * (x3 - 2.0 * x2 + x))
+                        + b[1] * (3.0 * x2 - 2.0 * x3)
+                        + b[0] * (width * (x3 - x2));
+                    compare(value, time);
+                }
+                compare(a[1], from);
+                compare(b[1], to);
+            }
+        }
     }
-    all
+    worst
 }
 
 /// Cubics between the knots of the motion, if it is made of those.
-fn cubics(built: &BuiltMotion, size: f64) -> Option<(Track<Solid>, f64)> {
+fn cubics(built: &BuiltMotion, tolerance: f64) -> Option<Track<Solid>> {
     let motion = &built.motion;
     let knots = motion.knots()?;
     if knots.len() > MOST {
@@ -108,7 +180,7 @@ fn cubics(built: &BuiltMotion, size: f64) -> Option<(Track<Solid>, f64)> {
         for (share, time) in [(0.0, from), (1.0, to)] {
             worst = worst.max((value(share) - motion.position(time)).length());
         }
-        if worst.is_nan() || worst > ROUNDING * size {
+        if worst.is_nan() || worst > tolerance {
             return None;
         }
         let leave = power[1] / width;
@@ -118,7 +190,7 @@ fn cubics(built: &BuiltMotion, size: f64) -> Option<(Track<Solid>, f64)> {
         }
         keys.push((to, [reach, motion.position(to), Solid::ZERO]));
     }
-    Some((Track::Cubic(keys), worst))
+    Some(Track::Cubic(keys))
 }
 
 /// Powers of the cubic with these values at 1/8, 3/8, 5/8, 7/8.
@@ -139,19 +211,11 @@ fn interpolated([a, b, c, d]: [Solid; 4]) -> [Solid; 4] {
     ]
 }
 
-/// A straight track from frame to frame.
-fn straight(built: &BuiltMotion, frames: &Frames) -> (Track<Solid>, f64) {
+/// A straight track from frame to frame; the frames' times as 32 bits hold them, so that their rounding costs nothing.
+fn straight(built: &BuiltMotion, frames: &Frames) -> Track<Solid> {
     let motion = &built.motion;
-    let times = with_end(&frames.times, motion.duration());
-    let keys: Vec<(f64, Solid)> = times.iter().map(|t| (*t, motion.position(*t))).collect();
-    let mut worst = 0.0_f64;
-    for pair in keys.windows(2) {
-        let ((from, a), (to, b)) = (pair[0], pair[1]);
-        for (share, time) in inside(from, to, places(keys.len())) {
-            worst = worst.max((a + (b - a) * share - motion.position(time)).length());
-        }
-    }
-    (Track::Linear(keys), worst)
+    let times = frames.times.iter().map(|time| time32(*time));
+    Track::Linear(times.map(|t| (t, motion.position(t))).collect())
 }
 
 /// Slerp between the recipe's keys where that is exact, else from frame to frame.
@@ -164,14 +228,20 @@ fn rotation(built: &BuiltMotion, frames: &Frames) -> (Track<DQuat>, f64) {
         times.push(duration);
         let (track, worst) = slerped(built, &times);
         if worst <= TURNING {
-            return (track, worst);
+            // As they are written; orientations by keys do not depend on what was asked before.
+            let rounded: Vec<f64> = times.iter().map(|time| time32(*time)).collect();
+            let seen = built.rotations(&with_places(&rounded));
+            let worst = turned_off(&track, &seen, true);
+            return (Track::Linear(track), worst);
         }
     }
-    slerped(built, &with_end(&frames.times, duration))
+    let times: Vec<f64> = frames.times.iter().map(|time| time32(*time)).collect();
+    let (track, worst) = slerped(built, &times);
+    (Track::Linear(track), worst)
 }
 
-fn slerped(built: &BuiltMotion, times: &[f64]) -> (Track<DQuat>, f64) {
-    // Keys and the places between them in one run: frames that depend on those before them see the same ones.
+/// The times, and places between each two of them.
+fn with_places(times: &[f64]) -> Vec<f64> {
     let between = places(times.len());
     let mut all = Vec::with_capacity(times.len() * (between as usize + 1));
     for pair in times.windows(2) {
@@ -179,41 +249,45 @@ fn slerped(built: &BuiltMotion, times: &[f64]) -> (Track<DQuat>, f64) {
         all.extend(inside(pair[0], pair[1], between).map(|(_, time)| time));
     }
     all.extend(times.last());
-    let rotations = built.rotations(&all);
-    let step = between as usize + 1;
-    let keys: Vec<(f64, DQuat)> = all
-        .iter()
-        .copied()
-        .zip(rotations.iter().copied())
-        .step_by(step)
-        .collect();
+    all
+}
+
+/// The rotations at times, and how far slerp between them, as it is written where times are those of 32 bits, is off.
+fn slerped(built: &BuiltMotion, times: &[f64]) -> (Vec<(f64, DQuat)>, f64) {
+    // Keys and the places between them in one run: frames that depend on those before them see the same ones.
+    let seen = built.rotations(&with_places(times));
+    let step = places(times.len()) as usize + 1;
+    let mut track: Vec<(f64, DQuat)> = Vec::with_capacity(times.len());
+    for (time, q) in times.iter().zip(seen.iter().step_by(step)) {
+        // The nearer of both signs at each key, for players that do not look for it.
+        let near = track.last().is_none_or(|(_, last)| last.dot(*q) >= 0.0);
+        track.push((*time, if near { *q } else { -*q }));
+    }
+    let rounded = times.iter().all(|time| time32(*time) == *time);
+    let worst = turned_off(&track, &seen, rounded);
+    (track, worst)
+}
+
+/// The largest angle between slerp from key to key and what was seen at the keys and the places between them.
+fn turned_off(keys: &[(f64, DQuat)], seen: &[DQuat], rounded: bool) -> f64 {
+    let step = places(keys.len()) as usize + 1;
+    let written = |q: DQuat| {
+        if rounded {
+            q.as_quat().as_dquat().normalize()
+        } else {
+            q
+        }
+    };
     let mut worst = 0.0_f64;
-    let keyed = keys.windows(2).enumerate().map(|(i, pair)| {
-        let (a, mut b) = (pair[0].1, pair[1].1);
-        if a.dot(b) < 0.0 {
-            b = -b;
-        }
-        let inner = rotations[i * step + 1..(i + 1) * step].iter().enumerate();
-        inner.fold(0.0_f64, |worst, (k, q)| {
+    for (i, pair) in keys.windows(2).enumerate() {
+        let (a, b) = (written(pair[0].1), written(pair[1].1));
+        for (k, q) in seen[i * step..=(i + 1) * step].iter().enumerate() {
             #[allow(clippy::cast_precision_loss)]
-            let share = (k + 1) as f64 / step as f64;
-            worst.max(angle(a.slerp(b, share), *q))
-        })
-    });
-    for error in keyed {
-        worst = worst.max(error);
-    }
-    // The nearer of both signs at each key, for players that do not look for it.
-    let mut track: Vec<(f64, DQuat)> = Vec::with_capacity(keys.len());
-    for (time, mut q) in keys {
-        if let Some((_, last)) = track.last()
-            && last.dot(q) < 0.0
-        {
-            q = -q;
+            let share = k as f64 / step as f64;
+            worst = worst.max(angle(a.slerp(b, share), *q));
         }
-        track.push((time, q));
     }
-    (Track::Linear(track), worst)
+    worst
 }
 
 /// The angle between two rotations, accurate where it is small.

@@ -34,7 +34,16 @@ pub trait ArcLength<S: Space>: Differentiable<S> {
         let (start, end) = self.domain();
         self.length_between(start, end, accuracy)
     }
+
+    /// About how many times as long as that of a cubic the measuring of a short part takes: what bounds the work of tables.
+    fn effort(&self) -> usize {
+        1
+    }
 }
+
+/// [`ArcLength::effort`] by velocities, for each control point that a velocity is summed of: seven rules of 16 nodes, where a cubic,
+/// whose rule is known, has one of 8 and some work around it.
+const BY_VELOCITY: usize = 4;
 
 /// The accuracy that is possible and sensible: positive, and not below the rounding of the length.
 fn sensible(accuracy: f64, size: f64) -> f64 {
@@ -108,31 +117,36 @@ fn measured<S: Space>(
     cubic::with_vectors!(vectors => Ruler::new(cubic).length(vectors, from, to, accuracy))
 }
 
-/// The length of a curve without a faster way, from its velocity.
+/// The length of a curve without a faster way, from its velocity; `breaks` are those of the curve.
 fn by_velocity<S: Space, C: Differentiable<S> + ?Sized>(
     curve: &C,
+    breaks: &[f64],
     start: f64,
     end: f64,
     accuracy: f64,
 ) -> f64 {
     let (start, end) = (curve.within(start), curve.within(end));
     if start > end {
-        return -by_velocity(curve, end, start, accuracy);
+        return -by_velocity(curve, breaks, end, start, accuracy);
     }
-    let mut cuts = vec![start];
-    cuts.extend(
-        curve
-            .breaks()
-            .into_iter()
-            .filter(|b| *b > start && *b < end),
-    );
+    let inner = &breaks[breaks.partition_point(|b| *b <= start)..];
+    let inner = &inner[..inner.partition_point(|b| *b < end)];
+    let mut cuts = Vec::with_capacity(inner.len() + 2);
+    cuts.push(start);
+    cuts.extend(inner);
     cuts.push(end);
-    let each = accuracy.max(f64::MIN_POSITIVE) / (cuts.len() - 1) as f64;
+    let mut speed = |u: f64| curve.velocity(u).length();
+    let rough: f64 = cuts
+        .windows(2)
+        .map(|pair| gauss::integral(&mut speed, pair[0], pair[1]))
+        .sum();
+    // Speeds carry the rounding of all that they are summed of.
+    let each = accuracy.max(1e-14 * rough).max(f64::MIN_POSITIVE) / (cuts.len() - 1) as f64;
     let mut sum = 0.0;
     for pair in cuts.windows(2) {
         let (a, b) = (pair[0], pair[1]);
         // At a break the velocity is that of the piece behind it; nodes lie inside.
-        sum += gauss::adaptive(&mut |u| curve.velocity(u).length(), a, b, each);
+        sum += gauss::adaptive(&mut speed, a, b, each);
     }
     sum
 }
@@ -140,7 +154,7 @@ fn by_velocity<S: Space, C: Differentiable<S> + ?Sized>(
 impl<S: Space> ArcLength<S> for Bezier<S> {
     fn length_between(&self, start: f64, end: f64, accuracy: f64) -> f64 {
         if self.degree() > 3 {
-            return by_velocity(self, start, end, accuracy);
+            return by_velocity(self, &[0.0, 1.0], start, end, accuracy);
         }
         let (start, end) = (self.within_unit(start), self.within_unit(end));
         let (from, to, sign) = if start <= end {
@@ -152,17 +166,33 @@ impl<S: Space> ArcLength<S> for Bezier<S> {
         let size = cubic.0[1].length() + cubic.0[2].length() + cubic.0[3].length();
         sign * measured(&cubic, Stretch { from, to }, sensible(accuracy, size))
     }
+
+    fn effort(&self) -> usize {
+        if self.degree() > 3 {
+            BY_VELOCITY * self.points().len()
+        } else {
+            1
+        }
+    }
 }
 
 impl<S: Space> ArcLength<S> for PiecewiseBezier<S> {
     fn length_between(&self, start: f64, end: f64, accuracy: f64) -> f64 {
-        by_velocity(self, start, end, accuracy)
+        by_velocity(self, self.breaks_in_place(), start, end, accuracy)
+    }
+
+    fn effort(&self) -> usize {
+        BY_VELOCITY * self.pieces()[0].points().len()
     }
 }
 
 impl<S: Space> ArcLength<S> for Lagrange<S> {
     fn length_between(&self, start: f64, end: f64, accuracy: f64) -> f64 {
-        by_velocity(self, start, end, accuracy)
+        by_velocity(self, self.nodes(), start, end, accuracy)
+    }
+
+    fn effort(&self) -> usize {
+        BY_VELOCITY * self.to_bezier().points().len()
     }
 }
 

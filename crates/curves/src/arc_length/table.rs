@@ -16,6 +16,11 @@ const DEPTH: u32 = 50;
 /// The most intervals of a table: bounds memory whatever accuracy is asked for.
 const MOST: usize = 1 << 20;
 
+/// The most work for a table, in lengths of cubics measured ([`ArcLength::effort`]): some seconds.
+const EFFORT: usize = 1 << 21;
+/// Lengths of curves from which squares of speeds stay within the range of numbers.
+const LENGTHS: core::ops::RangeInclusive<f64> = 1e-150..=1e150;
+
 /// An interval of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Interval {
@@ -75,14 +80,31 @@ pub struct LengthTable {
 }
 
 impl LengthTable {
-    /// Makes a table whose answers are within `accuracy` of the curve's length, in scene units.
-    ///
-    /// An accuracy below 1e-14 of the length is taken as that. Of a curve that no table of a million intervals describes to the
-    /// accuracy, the table says so: [`Self::is_complete`].
+    /// Whether a curve has few enough pieces for a table: 262 144 cubic ones, and fewer of higher degree
+    /// ([`ArcLength::effort`]). Measuring more would take long.
     ///
     /// # Errors
     ///
-    /// An accuracy that is not positive, or a curve without length.
+    /// [`CurveError::TooManyPieces`].
+    pub fn check<S: Space, C: ArcLength<S> + ?Sized>(curve: &C) -> Result<(), CurveError> {
+        let pieces = curve.breaks().len().saturating_sub(1);
+        let most = EFFORT / 8 / curve.effort().max(1);
+        if pieces <= most {
+            Ok(())
+        } else {
+            Err(CurveError::TooManyPieces { pieces, most })
+        }
+    }
+
+    /// Makes a table whose answers are within `accuracy` of the curve's length, in scene units.
+    ///
+    /// An accuracy below 1e-14 of the length is taken as that. Of a curve that no table of a million intervals describes to the
+    /// accuracy, or none that takes less than the measuring of two million cubics, the table says so: [`Self::is_complete`].
+    ///
+    /// # Errors
+    ///
+    /// An accuracy that is not positive, a curve without length, or one shorter than 1e-150 or longer than 1e150; see also
+    /// [`Self::check`].
     pub fn new<S: Space, C: ArcLength<S> + ?Sized>(
         curve: &C,
         accuracy: f64,
@@ -94,10 +116,18 @@ impl LengthTable {
                 range: "a positive length",
             });
         }
+        Self::check(curve)?;
         let breaks = curve.breaks();
         let rough = curve.length(accuracy);
         if !(rough > 0.0 && rough.is_finite()) {
             return Err(CurveError::NoLength);
+        }
+        if !LENGTHS.contains(&rough) {
+            return Err(CurveError::OutOfRange {
+                name: "the length of the curve",
+                value: rough,
+                range: "from 1e-150 to 1e150, so that its square is a number: scale its points",
+            });
         }
         let accuracy = accuracy.max(1e-14 * rough);
         let mut builder = Builder {
@@ -107,6 +137,7 @@ impl LengthTable {
             each: (0.05 * accuracy / breaks.len() as f64).max(1e-16 * rough),
             intervals: Vec::new(),
             complete: true,
+            effort: 0,
             space: core::marker::PhantomData,
         };
         let mut s = 0.0;
@@ -254,6 +285,7 @@ struct Builder<'a, S: Space, C: ?Sized> {
     each: f64,
     intervals: Vec<Interval>,
     complete: bool,
+    effort: usize,
     space: core::marker::PhantomData<S>,
 }
 
@@ -302,7 +334,10 @@ impl<S: Space, C: ArcLength<S> + ?Sized> Builder<'_, S, C> {
             }
             let interval = Self::interval(&a, &b);
             let short = b.s - a.s <= self.tolerance;
-            let full = depth >= DEPTH || self.intervals.len() + stack.len() >= MOST;
+            let full = depth >= DEPTH
+                || self.intervals.len() + stack.len() >= MOST
+                || self.effort >= EFFORT;
+            self.effort += self.curve.effort();
             let good = self.is_good(&a, &interval);
             if good || short || full {
                 self.complete &= good || short;

@@ -95,7 +95,7 @@ impl<S: Space> BSpline<S> {
             });
         }
         if let Some(i) = knots.windows(2).position(|w| w[1] < w[0]) {
-            return Err(CurveError::NotIncreasing {
+            return Err(CurveError::Decreasing {
                 what: "knot",
                 index: i + 1,
                 value: knots[i + 1],
@@ -130,10 +130,9 @@ impl<S: Space> BSpline<S> {
         let mut points = self.points.clone();
         if self.closed {
             if self.knots != Knots::Uniform {
-                return Err(CurveError::WrongCount {
-                    what: "a closed B-spline",
-                    needed: "uniform knots and any number of",
-                    found: points.len(),
+                return Err(CurveError::NotRead {
+                    family: "closed B-spline",
+                    what: "knots".to_owned(),
                 });
             }
             // The last spans reach around to the first control points (errata C17).
@@ -161,7 +160,13 @@ impl<S: Space> BSpline<S> {
         for i in 1..spans.len() {
             let shared = spans[i].points()[0];
             // A knot repeated degree + 1 times tears the curve.
-            if knots.iter().filter(|t| **t == breaks[i]).count() <= d {
+            let from = knots.partition_point(|t| *t < breaks[i]);
+            if knots[from..]
+                .iter()
+                .take_while(|t| **t == breaks[i])
+                .count()
+                <= d
+            {
                 spans[i - 1].end_at(shared);
             }
         }

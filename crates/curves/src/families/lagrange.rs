@@ -1,9 +1,11 @@
 //! Lagrange interpolation: one polynomial through all points.
 //!
 //! *Source*: *Interpolation Techniques*, chapter 2, "Lagrange polynomial", in the barycentric form of J.-P. Berrut and
-//! L. N. Trefethen, *Barycentric Lagrange interpolation*, SIAM Review 46(3), 2004 (errata C3), derivatives by C. Schneider
-//! and W. Werner, *Some new aspects of rational interpolation*, Math. Comp. 47, 1986. Through many points at even nodes the
-//! polynomial swings widely between them (Runge): at most [`MAX_NODES`] points are taken.
+//! L. N. Trefethen, *Barycentric Lagrange interpolation*, SIAM Review 46(3), 2004 (errata C3). Derivatives are those of its
+//! Chebyshev series between each two nodes (L. N. Trefethen, *Approximation Theory and Approximation Practice*, 2013, chapters
+//! 3 and 19): differences of the barycentric form would lose to rounding what the polynomial's swings gain, and lengths
+//! would be integrals of noise. Through many points at even nodes the polynomial swings widely between them (Runge): at most
+//! [`MAX_NODES`] points are taken.
 
 use crate::bezier::Pieces;
 use crate::error::{enough, increasing};
@@ -13,14 +15,21 @@ use anamorph_core::{Curve, Differentiable, Jet, Space};
 /// The most points: with 33 even nodes a rounding of the data is already magnified a hundred million times.
 pub const MAX_NODES: usize = 33;
 
+/// Nodes are at least this share of their whole width apart: what is nearer would be told apart by rounding alone.
+const CLOSEST: f64 = 1e-9;
+/// Widths of the nodes from which derivatives and their squares stay within the range of numbers.
+const WIDTHS: core::ops::RangeInclusive<f64> = 1e-50..=1e50;
+/// Chebyshev coefficients below this share of the largest are rounding.
+const ROUNDING: f64 = 2e-16;
+
 /// The polynomial through points at nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lagrange<S> {
     nodes: Vec<f64>,
     points: Vec<S>,
     weights: Vec<f64>,
-    /// Values of the first three derivatives at the nodes.
-    derivatives: [Vec<S>; 3],
+    /// Between each two nodes, the Chebyshev coefficients of the first three derivatives.
+    derivatives: Vec<[Vec<S>; 3]>,
     bezier: Bezier<S>,
 }
 
@@ -40,7 +49,8 @@ impl<S: Space> Lagrange<S> {
     /// # Errors
     ///
     /// Fewer than 2 or more than [`MAX_NODES`] points, another number of nodes, numbers that are not finite, nodes that do not
-    /// increase, or points so wild that the polynomial is not finite.
+    /// increase, that are nearer than a billionth of their width or whose width is not between 1e-50 and 1e50, or points so
+    /// wild that the polynomial is not finite.
     pub fn at_nodes(nodes: Vec<f64>, points: Vec<S>) -> Result<Self, CurveError> {
         enough("a Lagrange curve", 2, &points)?;
         if points.len() > MAX_NODES {
@@ -61,6 +71,25 @@ impl<S: Space> Lagrange<S> {
             });
         }
         let width = nodes[nodes.len() - 1] - nodes[0];
+        if !WIDTHS.contains(&width) {
+            return Err(CurveError::OutOfRange {
+                name: "the distance from the first node to the last",
+                value: width,
+                range: "from 1e-50 to 1e50",
+            });
+        }
+        if let Some(i) = nodes
+            .windows(2)
+            .position(|pair| pair[1] - pair[0] < CLOSEST * width)
+        {
+            return Err(CurveError::ElementOutOfRange {
+                what: "node",
+                index: i + 1,
+                value: nodes[i + 1],
+                range: "greater than the one before it by at least a billionth of the distance from the first node to the \
+                        last",
+            });
+        }
         // Weights scale out; differences of the whole width 4 keep products from over- and underflow.
         let weights = nodes.iter().enumerate().map(|(j, x)| {
             let others = nodes.iter().enumerate().filter(|(k, _)| *k != j);
@@ -74,16 +103,22 @@ impl<S: Space> Lagrange<S> {
             });
         }
         let bezier = bernstein_form(&nodes, &points, width)?;
-        let first = differentiated(&nodes, &weights, &points);
-        let second = differentiated(&nodes, &weights, &first);
-        let third = differentiated(&nodes, &weights, &second);
-        Ok(Self {
+        let mut curve = Self {
             nodes,
             points,
             weights,
-            derivatives: [first, second, third],
+            derivatives: Vec::new(),
             bezier,
-        })
+        };
+        curve.derivatives = curve.differentiated();
+        let all = curve.derivatives.iter().flatten().flatten();
+        if all.into_iter().any(|coefficient| !coefficient.is_finite()) {
+            return Err(CurveError::NotFinite {
+                what: "a derivative near point",
+                index: 0,
+            });
+        }
+        Ok(curve)
     }
 
     /// The same polynomial as a Bézier curve over `[0, 1]`. Exact to about 2ⁿ roundings of the data.
@@ -92,11 +127,17 @@ impl<S: Space> Lagrange<S> {
         &self.bezier
     }
 
-    /// The polynomial with given values at the nodes, at `u`: the values themselves at nodes.
-    fn interpolate(&self, values: &[S], u: f64) -> S {
+    /// When which point is passed.
+    #[must_use]
+    pub fn nodes(&self) -> &[f64] {
+        &self.nodes
+    }
+
+    /// The point at `base + step`, where the distance from `base` to each node is exact; the points themselves at nodes.
+    fn at(&self, base: f64, step: f64) -> S {
         let (mut above, mut below) = (S::ZERO, 0.0);
-        for ((x, w), value) in self.nodes.iter().zip(&self.weights).zip(values) {
-            let d = u - x;
+        for ((x, w), value) in self.nodes.iter().zip(&self.weights).zip(&self.points) {
+            let d = (base - x) + step;
             if d == 0.0 {
                 return *value;
             }
@@ -105,24 +146,83 @@ impl<S: Space> Lagrange<S> {
             below += share;
         }
         let value = above / below;
-        if value.is_finite() { value } else { values[0] }
+        if value.is_finite() {
+            value
+        } else {
+            self.points[0]
+        }
+    }
+
+    /// The Chebyshev coefficients of the first three derivatives between each two nodes.
+    fn differentiated(&self) -> Vec<[Vec<S>; 3]> {
+        use anamorph_core::math;
+        let n = self.nodes.len();
+        // cos(π k / 2n), of which all that follows is made.
+        let quarter = core::f64::consts::FRAC_PI_2 / n as f64;
+        let cosine = |k: usize| math::cos(quarter * (k % (4 * n)) as f64);
+        let cosines: Vec<f64> = (0..4 * n).map(cosine).collect();
+        let between = self.nodes.windows(2).map(|pair| {
+            let half = 0.5 * (pair[1] - pair[0]);
+            let values: Vec<S> = (0..n)
+                .map(|k| self.at(pair[0], half * (1.0 + cosines[2 * k + 1])))
+                .collect();
+            let mut series: Vec<S> = (0..n)
+                .map(|i| {
+                    let each = values.iter().enumerate();
+                    let sum = each.fold(S::ZERO, |sum, (k, value)| {
+                        sum + *value * cosines[i * (2 * k + 1) % (4 * n)]
+                    });
+                    sum * (if i == 0 { 1.0 } else { 2.0 } / n as f64)
+                })
+                .collect();
+            let largest = series.iter().map(|c| c.largest()).fold(0.0, f64::max);
+            while series.len() > 2
+                && series
+                    .last()
+                    .is_some_and(|last| last.largest() <= ROUNDING * largest)
+            {
+                series.pop();
+            }
+            let first = derived(&series, half);
+            let second = derived(&first, half);
+            let third = derived(&second, half);
+            [first, second, third]
+        });
+        between.collect()
+    }
+
+    /// The derivatives at a parameter of the domain.
+    fn derivative(&self, order: usize, u: f64) -> S {
+        let behind = self.nodes.partition_point(|x| *x <= u);
+        let span = behind.saturating_sub(1).min(self.derivatives.len() - 1);
+        let (a, b) = (self.nodes[span], self.nodes[span + 1]);
+        let x = 2.0 * ((u - a) / (b - a)) - 1.0;
+        summed(&self.derivatives[span][order], x)
     }
 }
 
-/// Values of the derivative at the nodes, from values of a polynomial there.
-fn differentiated<S: Space>(nodes: &[f64], weights: &[f64], values: &[S]) -> Vec<S> {
-    let rows = 0..nodes.len();
-    rows.map(|i| {
-        let mut sum = S::ZERO;
-        for j in 0..nodes.len() {
-            if j != i {
-                let entry = weights[j] / weights[i] / (nodes[i] - nodes[j]);
-                sum += (values[j] - values[i]) * entry;
-            }
-        }
-        sum
-    })
-    .collect()
+/// The Chebyshev coefficients of the derivative of a series over an interval of that half-width.
+fn derived<S: Space>(series: &[S], half: f64) -> Vec<S> {
+    let n = series.len();
+    let mut out = vec![S::ZERO; n.saturating_sub(1).max(1)];
+    for i in (1..n).rev() {
+        let higher = out.get(i + 1).copied().unwrap_or(S::ZERO);
+        out[i - 1] = higher + series[i] * (2.0 * i as f64);
+    }
+    out[0] = out[0] * 0.5;
+    for coefficient in &mut out {
+        *coefficient = *coefficient / half;
+    }
+    out
+}
+
+/// The value of a Chebyshev series at `x` in `[−1, 1]` (C. W. Clenshaw, 1955).
+fn summed<S: Space>(series: &[S], x: f64) -> S {
+    let (mut next, mut after) = (S::ZERO, S::ZERO);
+    for coefficient in series[1..].iter().rev() {
+        (next, after) = (*coefficient + next * (2.0 * x) - after, next);
+    }
+    series[0] + next * x - after
 }
 
 /// Bernstein coefficients by solving for the values at the nodes. The matrix of the system is totally positive, so that
@@ -178,29 +278,27 @@ impl<S: Space> Curve<S> for Lagrange<S> {
     }
 
     fn point(&self, parameter: f64) -> S {
-        self.interpolate(&self.points, self.within(parameter))
+        self.at(self.within(parameter), 0.0)
     }
 }
 
 impl<S: Space> Differentiable<S> for Lagrange<S> {
     fn jet(&self, parameter: f64) -> Jet<S> {
         let u = self.within(parameter);
-        let [first, second, third] = &self.derivatives;
         Jet {
-            point: self.interpolate(&self.points, u),
-            first: self.interpolate(first, u),
-            second: self.interpolate(second, u),
-            third: self.interpolate(third, u),
+            point: self.at(u, 0.0),
+            first: self.derivative(0, u),
+            second: self.derivative(1, u),
+            third: self.derivative(2, u),
         }
     }
 
     fn velocity(&self, parameter: f64) -> S {
-        self.interpolate(&self.derivatives[0], self.within(parameter))
+        self.derivative(0, self.within(parameter))
     }
 
     fn breaks(&self) -> Vec<f64> {
-        let (start, end) = self.domain();
-        vec![start, end]
+        self.nodes.clone()
     }
 }
 

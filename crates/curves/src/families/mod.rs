@@ -46,11 +46,11 @@ fn check_times(times: &[f64], count: usize, closed: bool) -> Result<(), CurveErr
             found: times.len(),
             needed,
             of: if closed {
-                "keys and the return to the first"
+                "points and the return to the first"
             } else {
-                "keys"
+                "points"
             },
-            expected: needed,
+            expected: count,
         });
     }
     increasing("time", times)

@@ -45,6 +45,8 @@ pub struct Number {
     pub meaning: &'static str,
     /// What it is when not given.
     pub default: f64,
+    /// Whether it is a question: 1 is yes, 0 no, and nothing else is an answer.
+    pub flag: bool,
 }
 
 /// How a family makes a curve.
@@ -102,7 +104,7 @@ impl Family {
             what,
         };
         if given.closed && !self.closes {
-            return Err(unread("`closed`".to_owned()));
+            return Err(CurveError::NotClosed { family: self.name });
         }
         if !given.velocities.is_empty() && !self.velocities {
             return Err(unread("velocities".to_owned()));
@@ -118,6 +120,14 @@ impl Family {
                 return Err(CurveError::NotFinite {
                     what: "number",
                     index: 0,
+                });
+            }
+            let flag = self.numbers.iter().any(|n| n.name == name && n.flag);
+            if flag && *value != 0.0 && *value != 1.0 {
+                return Err(CurveError::OutOfRange {
+                    name: "what is asked with yes or no",
+                    value: *value,
+                    range: "1 (yes) or 0 (no)",
                 });
             }
         }
@@ -202,6 +212,19 @@ fn bspline<S: Space>(family: &Family, given: &Given<S>) -> Result<Box<dyn Path<S
             range: "a whole number from 1 to 16",
         });
     }
+    if given.numbers.iter().any(|(name, value)| {
+        name == "clamped" && (!given.times.is_empty() || given.closed && *value != 0.0)
+    }) {
+        let beside = if given.closed {
+            "it is closed"
+        } else {
+            "there are `knots`"
+        };
+        return Err(CurveError::NotRead {
+            family: family.name,
+            what: format!("`clamped` where {beside}"),
+        });
+    }
     let curve = BSpline {
         points: given.points.clone(),
         degree: degree as usize,
@@ -282,6 +305,7 @@ pub static FAMILIES: &[Family] = &[
             name: "spacing",
             meaning: "power of the distance between knots, 0 (uniform) to 1 (chordal)",
             default: 0.5,
+            flag: false,
         }],
         plane: catmull_rom,
         space: catmull_rom,
@@ -335,11 +359,13 @@ pub static FAMILIES: &[Family] = &[
                 name: "degree",
                 meaning: "1 (a polyline) to 16",
                 default: 3.0,
+                flag: false,
             },
             Number {
                 name: "clamped",
-                meaning: "1: from the first to the last control point; 0: uniform knots throughout",
+                meaning: "whether it runs from the first to the last control point; else its knots are uniform throughout",
                 default: 1.0,
+                flag: true,
             },
         ],
         plane: bspline,
@@ -358,16 +384,19 @@ pub static FAMILIES: &[Family] = &[
                 name: "tension",
                 meaning: "1 tight, 0 normal, -1 slack",
                 default: 0.0,
+                flag: false,
             },
             Number {
                 name: "continuity",
                 meaning: "0 smooth, towards -1 and 1 corners",
                 default: 0.0,
+                flag: false,
             },
             Number {
                 name: "bias",
                 meaning: "1 turns late, 0 evenly, -1 early",
                 default: 0.0,
+                flag: false,
             },
         ],
         plane: kochanek_bartels,

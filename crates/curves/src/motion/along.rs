@@ -4,10 +4,12 @@
 //! control says which distance is covered at a time, the arc length's inverse which parameter that is, the path which
 //! point. Without the middle step the control says the parameter itself, and the speed varies with the path's.
 
-use super::{Finding, SpeedControl, diagnose_until};
+use super::clipped::clipped;
+use super::{Finding, SpeedControl, diagnose_until, turning, turns_at_once};
 use crate::families::registry::Path;
 use crate::{CurveError, LengthTable};
 use anamorph_core::Space;
+use anamorph_core::glam::DQuat;
 use std::sync::Arc;
 
 /// Samples on each span of a control between which it is taken to be monotone when [`Motion::knots`] are sought.
@@ -190,29 +192,80 @@ impl<S: Space> Motion<S> {
         }
     }
 
-    /// What there is to say about the motion: see [`diagnose`](super::diagnose). It is due at the end of its duration; on a
-    /// closed path it is due where it starts, after as many rounds as it comes nearest to, at least one, and may go on there as fast
-    /// as it came.
+    /// What there is to say about the motion: see [`diagnose`](super::diagnose). It is due at the end of its duration. Beyond the
+    /// end of an open path it waits there. On a closed path it is due where it starts, after as many rounds as it comes
+    /// nearest to, at least one, and may go on there as fast as it came.
     #[must_use]
     pub fn diagnose(&self) -> Vec<Finding> {
         let round = self.total();
         if !self.path.is_closed() {
-            return diagnose_until(self.control.as_ref(), round, self.duration);
+            let findings = diagnose_until(self.control.as_ref(), round, self.duration);
+            return clipped(findings, self.control.as_ref(), round);
         }
         let end = self.control.distance(self.control.duration());
-        let total = round * (end / round).round().max(1.0);
+        self.diagnose_over(round * (end / round).round().max(1.0))
+    }
+
+    /// The same of a motion along a closed path that is to cover a distance, in what its control measures: it arrives there, be it
+    /// whole rounds or not. Along an open path it is [`Self::diagnose`].
+    #[must_use]
+    pub fn diagnose_over(&self, distance: f64) -> Vec<Finding> {
+        if !self.path.is_closed() {
+            return self.diagnose();
+        }
+        let total = distance;
         let mut findings = diagnose_until(self.control.as_ref(), total, self.duration);
         findings.retain(|finding| !matches!(finding, Finding::LeavesPath { .. }));
-        let [first, last] = [0.0, self.duration].map(|time| self.control.speed(time));
-        let arrives = (end - total).abs() <= 1e-9 * total && self.control.distance(0.0) == 0.0;
-        if arrives && (first - last).abs() <= 1e-6 * first.abs().max(last.abs()) {
+        if self.closes(total) {
             let abrupt = |f: &Finding| {
                 matches!(
                     f,
                     Finding::StartsAbruptly { .. } | Finding::EndsAbruptly { .. }
                 )
             };
-            findings.retain(|finding| !abrupt(finding));
+            let [first, last] = [0.0, self.duration].map(|time| self.control.speed(time));
+            if (first - last).abs() <= 1e-6 * first.abs().max(last.abs()) {
+                findings.retain(|finding| !abrupt(finding));
+            }
+        }
+        findings
+    }
+
+    /// Whether it covers that distance, from the start of a closed path, and these are whole rounds.
+    fn closes(&self, total: f64) -> bool {
+        let rounds = total / self.total();
+        let end = self.control.distance(self.control.duration());
+        self.path.is_closed()
+            && (rounds - rounds.round()).abs() <= 1e-9 * rounds.abs()
+            && (end - total).abs() <= 1e-9 * total.abs()
+            && self.control.distance(0.0) == 0.0
+    }
+
+    /// Where something that moves like this turns at once: see [`turns_at_once`]. `rotations` gives its rotations at increasing
+    /// times. Where it jumps, a turn does not count; where whole rounds of a closed path end, the first rotation is what the
+    /// last has to be.
+    pub fn diagnose_turning(
+        &self,
+        rotations: &mut dyn FnMut(&[f64]) -> Vec<DQuat>,
+    ) -> Vec<Finding> {
+        // A hundredth of the path in a ten-thousandth of the time is a jump.
+        let (soon, near) = (1e-4 * self.duration, 1e-2 * self.total());
+        let goes_on = |a: f64, b: f64| {
+            let [from, to] = [a, b].map(|time| self.control.distance(time));
+            b - a > soon || (to - from).abs() < near
+        };
+        let mut findings = turns_at_once(self.duration, rotations, &goes_on);
+        let end = self.control.distance(self.control.duration());
+        let late = |finding: &Finding| {
+            finding
+                .time()
+                .is_some_and(|time| time >= self.duration * (1.0 - 1e-4))
+        };
+        if self.closes(end) && !findings.last().is_some_and(late) {
+            let ends = rotations(&[0.0, self.duration]);
+            if let [first, last] = ends[..] {
+                findings.extend(turning::between(first, last, self.duration));
+            }
         }
         findings
     }
@@ -226,6 +279,9 @@ impl<S: Space> Motion<S> {
         let round = self.total();
         let mut knots = Vec::new();
         let mut controls: Vec<f64> = self.control.breaks();
+        if controls.len() > MOST_KNOTS {
+            return None;
+        }
         controls.retain(|time| *time < self.duration);
         controls.push(self.duration);
         for pair in controls.windows(2) {

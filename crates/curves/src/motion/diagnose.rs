@@ -11,10 +11,13 @@
 use super::piecewise::{Coefficients, differentiated, evaluate, zeros, zeros_between};
 use super::{Finding, SpeedControl};
 
-/// Samples over all spans together; at least [`LEAST`] each. Motion that turns round more than once between two samples
+/// Samples over all spans together; at least [`LEAST`] each, or of very many spans [`FEWEST`]. Motion that turns round more than once between two samples
 /// may keep it secret.
 const SAMPLES: usize = 16_384;
 const LEAST: usize = 32;
+/// Spans from which on fewer samples must do: a staircase of a million steps has as many spans.
+const MANY: usize = 1 << 15;
+const FEWEST: usize = 4;
 
 /// Steps across each span to learn how far the motion goes.
 const ACROSS: u32 = 8;
@@ -127,7 +130,8 @@ impl Probe<'_> {
             };
         } else {
             speeds = [self.inside(from, length), self.inside(to, -length)];
-            let samples = (SAMPLES / self.spans).max(LEAST);
+            let least = if self.spans < MANY { LEAST } else { FEWEST };
+            let samples = (SAMPLES / self.spans).max(least);
             #[allow(clippy::cast_precision_loss)]
             let at = |i: usize| length * (i as f64 + 0.5) / samples as f64;
             let slope = |since: f64| self.speed_at(from + since);

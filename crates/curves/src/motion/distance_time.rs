@@ -18,6 +18,7 @@
 use super::piecewise::{Coefficients, evaluate, hermite, integrated};
 use super::{Between, PiecewisePolynomial, key_numbers, key_times, spans};
 use crate::CurveError;
+use crate::error::Short;
 
 /// A distance at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,6 +85,7 @@ impl core::fmt::Display for SpeedChange {
             Cause::Rest => "the motion rests beside it, between keys of equal distance",
             Cause::Turn => "the keys turn round there",
         };
+        let (used, asked) = (Short(*used), Short(*asked));
         write!(
             f,
             "the speed of key {key} is {used} instead of {asked}: {why}"

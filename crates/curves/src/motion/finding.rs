@@ -1,5 +1,6 @@
 //! What a diagnosis says.
 
+use crate::error::Short;
 use core::fmt;
 
 /// Something about a motion that an animator would want to know. Times and distances are those of the motion.
@@ -56,6 +57,13 @@ pub enum Finding {
         /// How far it gets: negative before the start, positive beyond the end.
         by: f64,
     },
+    /// It is turned by an angle at once.
+    TurnsAtOnce {
+        /// When.
+        time: f64,
+        /// By how much, in radians.
+        angle: f64,
+    },
     /// It does not come to rest at the end.
     EndsAbruptly {
         /// When.
@@ -92,6 +100,7 @@ impl Finding {
             Self::StartsAbruptly { time, .. }
             | Self::Jumps { time, .. }
             | Self::EndsAbruptly { time, .. }
+            | Self::TurnsAtOnce { time, .. }
             | Self::ArrivesEarly { time, .. }
             | Self::ArrivesLate { time, .. } => Some(time),
             Self::Stalls { from, .. }
@@ -100,19 +109,22 @@ impl Finding {
             Self::NeverArrives { .. } => None,
         }
     }
-}
 
-/// A number with at most six significant digits, for people.
-struct Short(f64);
-
-impl fmt::Display for Short {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rounded: f64 = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
-        let size = rounded.abs();
-        if size != 0.0 && !(1e-4..1e9).contains(&size) {
-            write!(f, "{rounded:e}")
-        } else {
-            write!(f, "{rounded}")
+    /// What several of its kind are called.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Waits { .. } => "waits",
+            Self::StartsPartway { .. } => "starts partway",
+            Self::StartsAbruptly { .. } => "abrupt starts",
+            Self::Stalls { .. } => "stalls",
+            Self::BacksUp { .. } => "ways back",
+            Self::Jumps { .. } => "jumps",
+            Self::LeavesPath { .. } => "times off the path",
+            Self::EndsAbruptly { .. } => "abrupt ends",
+            Self::TurnsAtOnce { .. } => "turns at once",
+            Self::ArrivesEarly { .. } | Self::ArrivesLate { .. } | Self::NeverArrives { .. } => {
+                "arrivals at another time"
+            }
         }
     }
 }
@@ -160,19 +172,25 @@ impl fmt::Display for Finding {
                 )
             }
             Self::LeavesPath { from, to, by } => {
-                let place = if by < 0.0 {
-                    "before the start of the path"
+                let (goes, place) = if by < 0.0 {
+                    ("is before the start", "start")
                 } else {
-                    "beyond the end of the path"
+                    ("goes beyond the end", "end")
                 };
                 write!(
                     f,
-                    "it is {place} from {} to {}, by up to {}",
+                    "it {goes} of the path by up to {} from {} to {}, and waits at the {place}",
+                    Short(by.abs()),
                     Short(from),
-                    Short(to),
-                    Short(by.abs())
+                    Short(to)
                 )
             }
+            Self::TurnsAtOnce { time, angle } => write!(
+                f,
+                "it turns by {} degrees at once at {}",
+                Short((10.0 * angle.to_degrees()).round() / 10.0),
+                Short(time)
+            ),
             Self::EndsAbruptly { time, speed } => write!(
                 f,
                 "it ends abruptly at {}, with the speed {}",

@@ -11,11 +11,13 @@
 
 mod acceleration_time;
 mod along;
+mod clipped;
 mod diagnose;
 mod distance_time;
 mod finding;
 mod piecewise;
 mod speed_time;
+mod turning;
 
 pub use acceleration_time::{AccelerationKey, AccelerationTime};
 pub use along::{Measure, Motion};
@@ -24,6 +26,7 @@ pub use distance_time::{Cause, DistanceKey, DistanceTime, SpeedChange};
 pub use finding::Finding;
 pub use piecewise::PiecewisePolynomial;
 pub use speed_time::{Between, SpeedKey, SpeedTime};
+pub use turning::turns_at_once;
 
 use crate::CurveError;
 use crate::eases::Ease;
@@ -142,12 +145,12 @@ fn key_times(what: &'static str, times: &[f64]) -> Result<(), CurveError> {
             found: times.len(),
         });
     }
-    crate::error::increasing("time", times)?;
+    crate::error::increasing("the time of key", times)?;
     let last = times.len() - 1;
     for index in [0, last] {
         if !(0.0..=LARGEST).contains(&times[index]) {
             return Err(CurveError::ElementOutOfRange {
-                what: "time of key",
+                what: "the time of key",
                 index,
                 value: times[index],
                 range: "from 0 to 1e50: motion begins at time 0",
@@ -159,7 +162,7 @@ fn key_times(what: &'static str, times: &[f64]) -> Result<(), CurveError> {
         .position(|pair| pair[1] - pair[0] < SHORTEST)
     {
         Some(before) => Err(CurveError::ElementOutOfRange {
-            what: "time of key",
+            what: "the time of key",
             index: before + 1,
             value: times[before + 1],
             range: "later than the one before it by at least 1e-50",

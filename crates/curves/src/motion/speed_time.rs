@@ -10,6 +10,7 @@
 use super::piecewise::{Coefficients, evaluate, integrated};
 use super::{PiecewisePolynomial, key_numbers, key_times, moderate, spans};
 use crate::CurveError;
+use crate::error::Short;
 
 /// How a quantity goes from key to key.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -177,30 +178,52 @@ pub(super) fn scale(
         }
         names.join(", ")
     };
-    let start = if without == 0.0 {
-        ""
+    let article = if quantity.starts_with('a') { "an" } else { "a" };
+    let held = {
+        let keys = names(true);
+        let mut held = Vec::new();
+        if !keys.is_empty() {
+            held.push(format!("the fixed keys ({keys})"));
+        }
+        if without != 0.0 {
+            held.push("the speed at the start".to_owned());
+        }
+        held.join(" and ")
+    };
+    let (distance, covered) = (Short(total), Short(kept));
+    let holds = if held.is_empty() {
+        String::new()
+    } else if held.contains(" and ") || held.starts_with("the fixed") {
+        format!("{held} cover {covered}, and ")
     } else {
-        " and the speed at the start"
+        format!("{held} covers {covered}, and ")
     };
     if free_size == 0.0 || free.abs() <= CANCELLED * free_size {
         let reason = if free_size == 0.0 {
-            format!("no free key has a {quantity} that could be scaled")
+            format!("no free key has {article} {quantity} that could be scaled")
         } else {
             format!("the free keys ({}) cover nothing together", names(false))
         };
+        let mend = if names(true).is_empty() {
+            format!("give a key another {quantity}")
+        } else {
+            format!("free a key, or give a free one another {quantity}")
+        };
         return Err(CurveError::Unreachable {
-            problem: format!(
-                "the distance {total} cannot be met: the fixed keys{start} cover {kept}, and {reason}; free a key, or give a free one another {quantity}"
-            ),
+            problem: format!("the distance {distance} cannot be met: {holds}{reason}; {mend}"),
         });
     }
     let factor = missing / free;
     if factor < 0.0 {
+        let free = names(false);
+        let mend = if names(true).is_empty() {
+            format!("give the keys another {quantity}, or ask for another distance")
+        } else {
+            format!("change the {quantity} of fixed keys, or free one")
+        };
         return Err(CurveError::Unreachable {
             problem: format!(
-                "the distance {total} cannot be met: the fixed keys ({}){start} cover {kept} alone, and the free keys ({}) would have to turn round; change the {quantity} of fixed keys, or free one",
-                names(true),
-                names(false)
+                "the distance {distance} cannot be met: {holds}the free keys ({free}) would have to turn round; {mend}"
             ),
         });
     }

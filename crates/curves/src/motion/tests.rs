@@ -326,7 +326,7 @@ fn distances_out_of_reach_name_the_keys() {
             .to_string()
     };
     let fixed = [SpeedKey::fixed(0.0, 1.0), SpeedKey::fixed(1.0, 1.0)];
-    assert!(message(&fixed, 2.0).contains("the fixed keys cover 1, and no free key"));
+    assert!(message(&fixed, 2.0).contains("the fixed keys (0, 1) cover 1, and no free key"));
     assert!(SpeedTime::new(&fixed, 1.0, Between::Linear).is_ok());
     let much = [
         SpeedKey::free(0.0, 1.0),
@@ -335,7 +335,7 @@ fn distances_out_of_reach_name_the_keys() {
     ];
     let found = message(&much, 3.0);
     assert!(
-        found.contains("the fixed keys (1) cover 4 alone, and the free keys (0)"),
+        found.contains("the fixed keys (1) cover 4, and the free keys (0)"),
         "{found}"
     );
     let none = [
@@ -401,9 +401,9 @@ fn bad_keys_are_named() {
         |list: &[(f64, f64)]| DistanceTime::monotone(&keys(list)).unwrap_err().to_string();
     assert!(message(&[]).contains("a curve of distances needs at least 2"));
     assert!(message(&[(0.0, 0.0)]).contains("there are 1"));
-    assert!(message(&[(0.0, 0.0), (0.0, 1.0)]).contains("time 1 is 0, not greater"));
-    assert!(message(&[(0.0, 0.0), (2.0, 1.0), (1.0, 2.0)]).contains("time 2 is 1"));
-    assert!(message(&[(0.0, 0.0), (f64::NAN, 1.0)]).contains("time 1 is not finite"));
+    assert!(message(&[(0.0, 0.0), (0.0, 1.0)]).contains("the time of key 1 is 0, not greater"));
+    assert!(message(&[(0.0, 0.0), (2.0, 1.0), (1.0, 2.0)]).contains("the time of key 2 is 1"));
+    assert!(message(&[(0.0, 0.0), (f64::NAN, 1.0)]).contains("the time of key 1 is not finite"));
     assert!(message(&[(-1.0, 0.0), (1.0, 1.0)]).contains("time of key 0 is -1"));
     assert!(message(&[(0.0, 0.0), (1.0, f64::INFINITY)]).contains("distance of key 1 is inf"));
     assert!(message(&[(0.0, 0.0), (1e-300, 1.0)]).contains("time of key 1"));

@@ -52,8 +52,8 @@ pub struct Banking {
     pub gain: f64,
     /// The largest lean in radians, above 0 and at most π/2; π/3 by default.
     pub limit: f64,
-    /// Half the width, in scene units along the path, over which leans are averaged with weights that fall off linearly; 0, the default,
-    /// averages nothing: leans jump where the curvature does. Smoothings below a 16 000th of the path's length are taken as that.
+    /// Half the width, in scene units along the path, over which leans are averaged with weights that fall off linearly; 0, the default
+    /// here (by name it is a fiftieth of the path), averages nothing: leans jump where the curvature does. Smoothings below a 16 000th of the path's length are taken as that.
     pub smoothing: f64,
 }
 

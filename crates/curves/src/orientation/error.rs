@@ -1,6 +1,7 @@
 //! What is wrong with the input of an orientation.
 
 use crate::CurveError;
+use crate::error::Short;
 use thiserror::Error;
 
 /// Why frames along a path could not be made.
@@ -36,7 +37,7 @@ pub enum OrientationError {
         name: &'static str,
     },
     /// A number outside its range.
-    #[error("{name} is {value}, but must be {range}")]
+    #[error("{name} is {}, but must be {range}", Short(*value))]
     OutOfRange {
         /// The parameter.
         name: &'static str,

@@ -63,13 +63,15 @@ impl<P: SpaceCurve> Orienter for LookAt<P> {
 
 /// From the path to where it is a distance further on, by arc length: `P(s + ds) − P(s)`.
 ///
-/// A closed path goes on at its start; an open one as if it went on straight. A distance of 0, or below a billionth of the
-/// path's length, gives the direction of the path, which is the limit.
+/// A closed path goes on at its start; an open one as if it went on straight. A distance of 0, or of whole rounds of a closed
+/// path, to a billionth of the path's length, gives the direction of the path, which is the limit.
 #[derive(Clone, Debug)]
 pub struct LookAhead<P> {
     course: Course<P>,
     table: LengthTable,
     distance: f64,
+    /// Two points nearer than this are one: the lengths that led to them are not known better.
+    coincide: f64,
     up: DVec3,
 }
 
@@ -91,6 +93,7 @@ impl<P: SpaceCurve> LookAhead<P> {
             course,
             table,
             distance,
+            coincide: 4.0 * accuracy,
             up,
         })
     }
@@ -100,10 +103,16 @@ impl<P: SpaceCurve> Orienter for LookAhead<P> {
     fn frame(&self, parameter: f64) -> Frame {
         let place = self.course.place(parameter);
         let length = self.table.length();
-        if self.distance <= NO_DISTANCE * length {
+        let path = &*self.course.path;
+        let rest = if path.is_closed() {
+            let rest = self.distance % length;
+            rest.min(length - rest)
+        } else {
+            self.distance
+        };
+        if rest <= NO_DISTANCE * length {
             return Frame::level(place.ahead, self.up);
         }
-        let path = &*self.course.path;
         let s = self.table.length_to(place.u) + self.distance;
         let beyond = s - length;
         let there = if beyond > 0.0 && !path.is_closed() {
@@ -112,7 +121,8 @@ impl<P: SpaceCurve> Orienter for LookAhead<P> {
         } else {
             path.point(self.table.parameter(s))
         };
-        let view = between(place.point, there).unwrap_or(place.ahead);
+        let view = between(place.point, there).filter(|view| view.largest() > self.coincide);
+        let view = view.unwrap_or(place.ahead);
         Frame::level(view, self.up)
     }
 }

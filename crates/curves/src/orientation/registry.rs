@@ -1,6 +1,7 @@
 //! The orientations by name: what recipes call them, what commands list, what tests run over.
 
-use super::error::in_range;
+use super::directions;
+use super::error::{in_range, of_path};
 use super::{
     Auxiliary, Banking, End, FixedUp, Flips, Frenet, FrenetUp, LookAhead, LookAt, OrientationError,
     Orienter, Pairing, Role, RotationMinimizing, Speed, UpdatedUp,
@@ -378,17 +379,28 @@ fn auxiliary(given: &Given<'_>, path: SharedPath) -> Result<Box<dyn Orienter>, O
     )?))
 }
 
+/// Half the width over which leans are averaged, in shares of the path, where a setting does not say it.
+const SMOOTHING: f64 = 0.02;
+
 fn banking(
     given: &Given<'_>,
     base: Box<dyn Orienter>,
     path: SharedPath,
 ) -> Result<Box<dyn Orienter>, OrientationError> {
+    // Most families bend anew at each of their points: without any smoothing, leans would jump there.
+    let smoothing = match given.value("smoothing") {
+        Some(Value::Number(smoothing)) => *smoothing,
+        _ => {
+            SMOOTHING
+                * path.length(1e-3 * directions::Directions::new(&*path).map_err(of_path)?.size())
+        }
+    };
     let settings = Banking {
         speed: Speed::Constant(given.number("speed")),
         gravity: given.number("gravity"),
         gain: given.number("gain"),
         limit: given.number("limit"),
-        smoothing: given.number("smoothing"),
+        smoothing,
     };
     Ok(Box::new(settings.of(base, path)?))
 }
@@ -550,8 +562,9 @@ pub static MODIFIERS: &[Modifier] = &[Modifier {
         ),
         optional(
             "smoothing",
-            "half the width over which leans are averaged, in scene units",
-            Takes::Number(Some(0.0)),
+            "half the width over which leans are averaged, in scene units; a fiftieth of the path if left out, and 0 jumps where the \
+             curvature does",
+            Takes::Number(None),
         ),
     ],
     modify: banking,

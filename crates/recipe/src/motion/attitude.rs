@@ -3,7 +3,7 @@
 use super::Subject;
 use super::path;
 use super::speed::time;
-use super::values::{Values, below, point, read, unknown};
+use super::values::{Values, below, point, read, short, unknown};
 use anamorph_catalog::{Angle, Axis, ConstructError, Coordinate};
 use anamorph_core::Solid;
 use anamorph_core::glam::DQuat;
@@ -260,8 +260,46 @@ fn along(
     Ok(frames)
 }
 
+/// How banking is written, for those who take it for an orientation.
+pub(super) const BANKING: &str = "banking goes on top of an orientation: write `{ kind = \"rotation-minimizing\", banking = true }`";
+
+/// What is known of a key's turn, where it is by an angle about an axis.
+type Turn = Option<(Solid, f64)>;
+
+/// What there is to say of keys that are more than half a turn apart about one axis: a quaternion does not know whole turns.
+fn too_far(turns: &[Turn]) -> Vec<String> {
+    let mut said = Vec::new();
+    for (i, pair) in turns.windows(2).enumerate() {
+        let [Some((axis, from)), Some((other, to))] = *pair else {
+            continue;
+        };
+        let along = axis.normalize_or_zero().dot(other.normalize_or_zero());
+        let by = if from == 0.0 || along >= 1.0 - 1e-9 {
+            to - from
+        } else if along <= 1e-9 - 1.0 || to == 0.0 {
+            -to - from
+        } else {
+            continue;
+        };
+        let degrees = by.abs().to_degrees();
+        if degrees <= 180.0 + 1e-9 {
+            continue;
+        }
+        let rest = degrees % 360.0;
+        let seen = rest.min(360.0 - rest);
+        said.push(format!(
+            "keys {i} and {} are {} degrees apart, but a quaternion holds no more than half a turn from key to key, and it \
+             turns by {}: put keys between them, each less than 180 degrees from the next",
+            i + 1,
+            short(degrees),
+            short((1e6 * seen).round() / 1e6)
+        ));
+    }
+    said
+}
+
 /// The rotation of a key.
-fn rotation(key: &Values<'_>) -> Result<DQuat, ConstructError> {
+fn rotation(key: &Values<'_>) -> Result<(DQuat, Turn), ConstructError> {
     if let Some(value) = key.get("quaternion") {
         for other in ["axis", "angle"] {
             if key.get(other).is_some() {
@@ -280,7 +318,7 @@ fn rotation(key: &Values<'_>) -> Result<DQuat, ConstructError> {
             return Err(ConstructError::new(at, message)
                 .with_hint("write [w, x, y, z]; [1, 0, 0, 0] turns nothing"));
         }
-        return Ok(q);
+        return Ok((q, None));
     }
     let angle = match key.get("angle") {
         Some(value) => read::<Angle>(value, &key.at("angle"))?.radians(),
@@ -290,32 +328,51 @@ fn rotation(key: &Values<'_>) -> Result<DQuat, ConstructError> {
         Some(value) => read::<Axis>(value, &key.at("axis"))?.resolve(&key.at("axis"))?,
         None => return Err(key.missing("axis", "what it turns about, such as \"y\" or [1, 0, 1]")),
     };
-    Ok(from_axis_angle(axis, angle))
+    Ok((from_axis_angle(axis, angle), Some((axis, angle))))
 }
 
 fn keyed(
     table: &Values<'_>,
     entry: &KeyedOrientation,
     duration: f64,
-) -> Result<Box<dyn Orientations>, ConstructError> {
+) -> Result<(Box<dyn Orientations>, Vec<String>), ConstructError> {
     let Some(list) = table.list("keys")? else {
         return Err(table.missing(
             "keys",
             "a list such as [{ time = 0, axis = \"y\", angle = \"90deg\" }]",
         ));
     };
-    let (mut rotations, mut times) = (Vec::new(), Vec::new());
+    let (mut rotations, mut times, mut turns) = (Vec::new(), Vec::new(), Vec::new());
     for (i, value) in list.iter().enumerate() {
         let key = table.inside(value, &below("keys", i))?;
         let at = key.at("time");
         let Some(value) = key.get("time") else {
             return Err(key.missing("time", "seconds, or a share of the duration"));
         };
-        times.push(time(value, &at, Some(duration))?);
-        rotations.push(rotation(&key)?);
+        let time = time(value, &at, Some(duration))?;
+        if time < 0.0 {
+            let message = format!(
+                "the time of key {i} is {}, but motion begins at 0",
+                short(time)
+            );
+            return Err(ConstructError::new(at, message).with_hint("write 0 or more seconds"));
+        }
+        times.push(time);
+        let (q, turn) = rotation(&key)?;
+        rotations.push(q);
+        turns.push(turn);
     }
+    let mut notes = too_far(&turns);
     let at = table.at("keys");
-    let fails = |error: OrientationError| refused(&at, &error);
+    let later = super::speed::late("the orientation", &times, duration);
+    let fails = |error: OrientationError| match (&error, &later) {
+        // A shorter motion, some of whose keys are at shares of it.
+        (OrientationError::TimesNotIncreasing { .. }, Some(later)) => {
+            ConstructError::new(&at, format!("the keys do not increase: {later}"))
+        }
+        _ => refused(&at, &error),
+    };
+    notes.extend(later.clone());
     let keys = if table.flag("closed")? {
         let last = times.last().copied().unwrap_or(0.0);
         let returns = match table.get("return") {
@@ -323,8 +380,11 @@ fn keyed(
             None => duration,
         };
         if returns <= last {
-            let message =
-                format!("the first key returns at {returns}, not after the last at {last}");
+            let message = format!(
+                "the first key returns at {}, not after the last at {}",
+                short(returns),
+                short(last)
+            );
             return Err(ConstructError::new(table.at("return"), message)
                 .with_hint("write a later `return`, or remove the last key"));
         }
@@ -335,20 +395,32 @@ fn keyed(
     };
     let path = (entry.make)(&keys).map_err(fails)?;
     if !table.flag("even")? || times.len() < 2 {
-        return Ok(path);
+        return Ok((path, notes));
     }
     let even = EvenTurning::new(path, EVEN).map_err(fails)?;
-    Ok(Box::new(EvenInTime {
+    let even = EvenInTime {
         even,
         domain: [times[0], times[times.len() - 1]],
-    }))
+    };
+    Ok((Box::new(even), notes))
 }
 
-/// The orientation of a motion, and its name.
+/// The point that an orientation looks at.
+pub(super) fn target(table: &Values<'_>) -> Result<Option<Solid>, ConstructError> {
+    let target = table
+        .get("orientation")
+        .and_then(|value| value.get("target"));
+    let read = target
+        .map(|value| point(value, "orientation.target"))
+        .transpose()?;
+    Ok(read.map(|(point, _)| point))
+}
+
+/// The orientation of a motion, its name, and what there is to say of its keys.
 pub(super) fn build(
     table: &Values<'_>,
     motion: &Motion<Solid>,
-) -> Result<(&'static str, Attitude), ConstructError> {
+) -> Result<(&'static str, Attitude, Vec<String>), ConstructError> {
     let none = serde_json::Map::new();
     let plain = |path: String| Values {
         path,
@@ -376,13 +448,19 @@ pub(super) fn build(
         }
     };
     if let Some(entry) = ORIENTATIONS.iter().find(|entry| entry.name == kind) {
-        return Ok((entry.name, Attitude::Along(along(&inner, entry, motion)?)));
+        let frames = along(&inner, entry, motion)?;
+        return Ok((entry.name, Attitude::Along(frames), Vec::new()));
     }
     if let Some(entry) = KEYED.iter().find(|entry| entry.name == kind) {
-        let path = keyed(&inner, entry, motion.duration())?;
-        return Ok((entry.name, Attitude::Keyed(path)));
+        let (path, notes) = keyed(&inner, entry, motion.duration())?;
+        return Ok((entry.name, Attitude::Keyed(path), notes));
     }
     let along = ORIENTATIONS.iter().map(|entry| entry.name);
     let names: Vec<&str> = along.chain(KEYED.iter().map(|entry| entry.name)).collect();
-    Err(unknown(&at, "orientation", kind, &names))
+    let refusal = unknown(&at, "orientation", kind, &names);
+    Err(if kind == "banking" {
+        refusal.with_hint(BANKING)
+    } else {
+        refusal
+    })
 }

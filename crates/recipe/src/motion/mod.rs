@@ -23,7 +23,7 @@ use anamorph_core::Solid;
 use anamorph_core::glam::DQuat;
 use anamorph_curves::motion::{Finding, Measure, Motion, SpeedChange};
 use serde_json::{Map, Value};
-use values::Values;
+use values::{Values, short};
 
 /// What moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,12 +45,16 @@ pub struct BuiltMotion {
     pub subject: Subject,
     /// The points of the path as the recipe gives them, smoothed if it says so.
     pub points: Vec<Solid>,
+    /// The point that it looks at, if it looks at one.
+    pub target: Option<Solid>,
     /// Whether the path is one of the plane, z being 0.
     pub plane: bool,
     /// Name of the path's family.
     pub family: &'static str,
     /// Name of the orientation.
     pub orientation: &'static str,
+    /// What becomes of keys otherwise than one might think, a sentence each.
+    pub notes: Vec<String>,
     /// Speeds at keys that could not be had.
     pub changes: Vec<SpeedChange>,
     /// What an animator would want to know.
@@ -127,11 +131,17 @@ impl Recipe {
             let message = "`space` is for warps; a motion is in the coordinates of its path";
             problems.push(self.problem("space", Part::Key, message, "leave it out"));
         }
+        if let Some(error) = path::too_many(table) {
+            let at = join("motion", &error.path);
+            problems.push(self.problem(&at, Part::Value, error.message, error.hint));
+            return;
+        }
         let mut definitions = Map::new();
         let schema = schema::motion(&mut definitions);
         let mut walk = Walk::new(&definitions);
-        walk.compare(&Value::Object(table.clone()), &schema, "motion", &[]);
-        problems.extend(walk.unknown.into_iter().map(|unknown| {
+        walk.compare(&plainly_eased(table), &schema, "motion", &[]);
+        problems.extend(walk.unknown.into_iter().map(|mut unknown| {
+            reworded(&mut unknown);
             let part = if unknown.is_key {
                 Part::Key
             } else {
@@ -177,6 +187,41 @@ impl Recipe {
     }
 }
 
+/// The table with an ease that is written as in style sheets, `{ ease = "steps(4)" }`, by its name alone: its parameters are not
+/// the schema's matter.
+fn plainly_eased(table: &Map<String, Value>) -> Value {
+    let mut table = table.clone();
+    if let Some(Value::String(ease)) = table.get_mut("speed").and_then(|s| s.get_mut("ease"))
+        && let Some((name, _)) = ease.split_once('(')
+    {
+        *ease = match name.trim() {
+            "linear" => "stops".to_owned(),
+            name => name.to_owned(),
+        };
+    }
+    Value::Object(table)
+}
+
+/// What is known by another name, or elsewhere.
+fn reworded(unknown: &mut crate::keys::Unknown) {
+    if unknown.is_key && unknown.path == "motion.path.closed" {
+        "a curve of this family cannot be closed".clone_into(&mut unknown.message);
+        "leave `closed` out, or take another family, such as \"catmull-rom\""
+            .clone_into(&mut unknown.hint);
+    }
+    if !unknown.is_key
+        && unknown.path == "motion.orientation.kind"
+        && unknown.message.contains("`banking`")
+    {
+        attitude::BANKING.clone_into(&mut unknown.hint);
+    }
+}
+
+/// Where a motion turns at once.
+fn turning(motion: &Motion<Solid>, attitude: &Attitude, subject: Subject) -> Vec<Finding> {
+    motion.diagnose_turning(&mut |times| attitude.rotations(motion, subject, times))
+}
+
 /// A motion from its table.
 fn build(table: &Values<'_>) -> Result<BuiltMotion, ConstructError> {
     let path = path::build(&table.table("path")?)?;
@@ -190,15 +235,24 @@ fn build(table: &Values<'_>) -> Result<BuiltMotion, ConstructError> {
     };
     let duration = table.number("duration")?;
     if let Some(duration) = duration.filter(|d| !(*d >= 1e-6 && *d <= 1e9)) {
-        let message = format!("the duration is {duration} seconds");
+        let message = format!("the duration is {} seconds", short(duration));
         return Err(ConstructError::new("duration", message)
             .with_hint("write a number of seconds from 1e-6 to 1e9"));
     }
     let of_path = |error: anamorph_curves::CurveError| path::refused("path.points", &error);
-    let lengths = anamorph_curves::LengthTable::new(path.curve.as_ref(), ACCURACY * path.size)
-        .map_err(of_path)?;
+    anamorph_curves::LengthTable::check(path.curve.as_ref()).map_err(of_path)?;
+    // Curves that swing far beyond their points are measured by their own size.
+    let rough = path.curve.length(1e-3 * path.size);
+    let size = if rough > 32.0 * path.size {
+        rough
+    } else {
+        path.size
+    };
+    let lengths =
+        anamorph_curves::LengthTable::new(path.curve.as_ref(), ACCURACY * size).map_err(of_path)?;
     if !lengths.is_complete() {
-        let message = "the path is too wild, or has too many points, to be measured";
+        let message = "the path is too wild, or of too high a degree for so many points, to be measured to 1e-10 of its \
+                       size: that takes more than a million intervals, or more than the measuring of two million cubics";
         return Err(ConstructError::new("path.points", message)
             .with_hint("take fewer points, or a family of lower degree"));
     }
@@ -219,13 +273,26 @@ fn build(table: &Values<'_>) -> Result<BuiltMotion, ConstructError> {
             .lasting(duration)
             .map_err(|error| path::refused("duration", &error))?;
     }
-    let (orientation, attitude) = attitude::build(table, &motion)?;
+    let (orientation, attitude, mut turned) = attitude::build(table, &motion)?;
+    let mut findings = match speed.asked {
+        Some(distance) => motion.diagnose_over(distance),
+        None => motion.diagnose(),
+    };
+    findings.extend(turning(&motion, &attitude, subject));
+    findings.sort_by(|a, b| {
+        let time = |finding: &Finding| finding.time().unwrap_or(f64::INFINITY);
+        time(a).total_cmp(&time(b))
+    });
+    let mut notes = speed.notes;
+    notes.append(&mut turned);
     Ok(BuiltMotion {
-        findings: motion.diagnose(),
+        findings,
+        notes,
         motion,
         attitude,
         subject,
         points: path.points,
+        target: attitude::target(table)?,
         plane: path.plane,
         family: path.family,
         orientation,

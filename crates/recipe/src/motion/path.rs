@@ -1,6 +1,7 @@
 //! `path`: points, smoothed if asked for, become a curve of a family.
 
-use super::values::{Values, below, point, read, unknown};
+use super::values::{Values, below, moderate, point, read, short, unknown};
+use crate::words::form;
 use anamorph_catalog::{ConstructError, FeatureMesh};
 use anamorph_core::{Bounds, Solid};
 use anamorph_curves::CurveError;
@@ -228,6 +229,41 @@ fn polyline(mesh: &FeatureMesh, name: &str) -> Result<(Vec<Solid>, bool), String
     }
 }
 
+/// Points of a path at most; more would take long to measure, and are more than any hand places.
+const MOST_POINTS: usize = 100_000;
+
+/// Refuses more points than a path may have, before any work is done on them.
+fn few_enough(count: usize, at: &str) -> Result<(), ConstructError> {
+    if count <= MOST_POINTS {
+        return Ok(());
+    }
+    let message = format!("{count} points, but a path has at most {MOST_POINTS}");
+    Err(ConstructError::new(at, message).with_hint("take fewer points"))
+}
+
+/// What is wrong with a table whose list of points is too long.
+pub(super) fn too_many(table: &serde_json::Map<String, Value>) -> Option<ConstructError> {
+    let list = table.get("path")?.get("points")?.as_array()?;
+    few_enough(list.len(), "path.points").err()
+}
+
+/// Least size of a path: below it, squares and cubes of lengths would vanish.
+const SMALLEST: f64 = 1e-75;
+
+/// Refuses points so near to each other that their path cannot be measured.
+fn large_enough(points: &[Solid], at: &str) -> Result<(), ConstructError> {
+    let extent = Bounds::of(points).map_or(0.0, |b| (b.max - b.min).max_element());
+    if extent > 0.0 && extent < SMALLEST {
+        let message = format!(
+            "the path is too small: its points are all within {}",
+            short(extent)
+        );
+        return Err(ConstructError::new(at, message)
+            .with_hint(format!("scale them up to a size of at least {SMALLEST:e}")));
+    }
+    Ok(())
+}
+
 /// The points, whether they are of the plane, and whether a file says that they are closed.
 fn points(table: &Values<'_>) -> Result<(Vec<Solid>, bool, bool), ConstructError> {
     let at = table.at("points");
@@ -237,14 +273,16 @@ fn points(table: &Values<'_>) -> Result<(Vec<Solid>, bool, bool), ConstructError
             let mesh = table.context.mesh(&at, name)?;
             let (points, closed) =
                 polyline(&mesh, name).map_err(|e| ConstructError::new(&at, e))?;
+            few_enough(points.len(), &at)?;
             Ok((points, mesh.dimension == 2, closed))
         }
         Some(Value::Array(list)) => {
+            few_enough(list.len(), &at)?;
             let (points, plane) = vectors(list, &at)?;
             Ok((points, plane, false))
         }
         Some(other) => {
-            let message = format!("{} where points were expected", crate::words::form(other));
+            let message = format!("{} where points were expected", form(other));
             Err(ConstructError::new(at, message)
                 .with_hint("write [[0, 0, 0], [1, 0, 0]], or the name of a file in quotes"))
         }
@@ -293,17 +331,27 @@ pub(super) fn build(table: &Values<'_>) -> Result<Built, ConstructError> {
         Some(word) if table.get(word).is_some() => {
             let list = table.list(word)?.unwrap_or_default();
             let each = list.iter().enumerate();
-            each.map(|(i, value)| read(value, &below(&table.at(word), i)))
+            each.map(|(i, value)| moderate(value, &below(&table.at(word), i)))
                 .collect::<Result<_, _>>()?
         }
         _ => Vec::new(),
     };
     let mut numbers = Vec::new();
     for number in family.numbers {
-        if let Some(value) = table.number(number.name)? {
+        let value = match table.get(number.name) {
+            Some(Value::Bool(yes)) if number.flag => Some(f64::from(u8::from(*yes))),
+            Some(other) if number.flag && other.as_f64().is_none_or(|n| n != 0.0 && n != 1.0) => {
+                let message = format!("{} where true or false was expected", form(other));
+                return Err(ConstructError::new(table.at(number.name), message)
+                    .with_hint("write true or false"));
+            }
+            _ => table.number(number.name)?,
+        };
+        if let Some(value) = value {
             numbers.push((number.name.to_owned(), value));
         }
     }
+    large_enough(&points, &table.at("points"))?;
     let diagonal = Bounds::of(&points).map_or(0.0, |bounds| bounds.diagonal());
     let given = Given {
         points,
@@ -314,7 +362,17 @@ pub(super) fn build(table: &Values<'_>) -> Result<Built, ConstructError> {
     };
     let curve = family.make(&given).map_err(|error| {
         let key = match &error {
-            CurveError::NotIncreasing { .. } => family.times.unwrap_or("points"),
+            CurveError::NotIncreasing { .. }
+            | CurveError::Decreasing { .. }
+            | CurveError::ElementOutOfRange { what: "node", .. } => {
+                family.times.unwrap_or("points")
+            }
+            CurveError::NotRead { what, .. } if what.contains("clamped") => "clamped",
+            CurveError::NotRead { what, .. } if what.contains("knots") => "knots",
+            CurveError::OutOfRange { name, .. } if name.contains("node") => {
+                family.times.unwrap_or("points")
+            }
+            CurveError::NotClosed { .. } => "closed",
             CurveError::Mismatch { what, .. } if what.contains("velocit") => "velocities",
             CurveError::Mismatch { .. } => family.times.unwrap_or("points"),
             CurveError::OutOfRange { .. } => "kind",

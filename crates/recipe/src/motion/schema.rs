@@ -89,7 +89,12 @@ fn paths() -> Value {
             put(word, list("one for each point, increasing", &json!({ "type": "number" })));
         }
         for number in family.numbers {
-            let about = json!({ "description": number.meaning, "type": "number", "default": number.default });
+            let about = if number.flag {
+                let default = number.default != 0.0;
+                json!({ "description": number.meaning, "anyOf": [{ "type": "boolean" }, { "enum": [0, 1] }], "default": default })
+            } else {
+                json!({ "description": number.meaning, "type": "number", "default": number.default })
+            };
             put(number.name, about);
         }
         let about = format!("{}: {}\n\n{}", family.title, family.reads, family.reference);

@@ -1,7 +1,7 @@
 //! `speed`: an ease, or distances, speeds or accelerations at times.
 
 use super::path::refused;
-use super::values::{Values, below, read, share, unknown};
+use super::values::{Values, below, read, share, short, unknown};
 use anamorph_catalog::ConstructError;
 use anamorph_curves::CurveError;
 use anamorph_curves::eases::{self, Ease, EaseParameter, Setting};
@@ -15,6 +15,42 @@ use serde_json::Value;
 pub(super) struct Built {
     pub(super) control: Box<dyn SpeedControl>,
     pub(super) changes: Vec<SpeedChange>,
+    /// The distance that the recipe asks for, if it does.
+    pub(super) asked: Option<f64>,
+    /// Keys that nobody will see.
+    pub(super) notes: Vec<String>,
+}
+
+/// A control of which there is nothing to say.
+fn quiet(control: Box<dyn SpeedControl>) -> Built {
+    Built {
+        control,
+        changes: Vec::new(),
+        asked: None,
+        notes: Vec::new(),
+    }
+}
+
+/// What there is to say of keys at these times that are later than the end of the motion.
+pub(super) fn late(what: &str, times: &[f64], duration: f64) -> Option<String> {
+    let beyond = |time: &f64| *time > duration * (1.0 + 1e-12);
+    let first = times.iter().position(beyond)?;
+    let last = times.iter().rposition(beyond)?;
+    let which = if first == last {
+        format!("key {first} of {what}, at {},", short(times[first]))
+    } else {
+        format!(
+            "keys {first} to {last} of {what}, from {} to {},",
+            short(times[first]),
+            short(times[last])
+        )
+    };
+    let verb = if first == last { "is" } else { "are" };
+    Some(format!(
+        "{which} {verb} later than the end of the motion, {}: it breaks off there; write times as shares of the duration, such as \
+         \"50%\", for keys that follow it",
+        short(duration)
+    ))
 }
 
 /// Words of `repair`.
@@ -33,6 +69,14 @@ struct Scale {
     duration: Option<f64>,
 }
 
+impl Scale {
+    /// What there is to say of keys at these times.
+    fn late(&self, what: &str, times: &[f64]) -> Vec<String> {
+        let duration = self.duration.into_iter();
+        duration.filter_map(|end| late(what, times, end)).collect()
+    }
+}
+
 /// A control from the table of a motion.
 pub(super) fn build(
     table: &Values<'_>,
@@ -40,13 +84,9 @@ pub(super) fn build(
     duration: Option<f64>,
 ) -> Result<Built, ConstructError> {
     let scale = Scale { total, duration };
-    let plain = |control: Box<dyn SpeedControl>| Built {
-        control,
-        changes: Vec::new(),
-    };
     let value = match table.get("speed") {
         None => {
-            return Ok(plain(eased(
+            return Ok(quiet(eased(
                 table,
                 Box::new(eases::Linear),
                 total,
@@ -55,7 +95,7 @@ pub(super) fn build(
         }
         Some(Value::String(text)) => {
             let ease = eases::parse(text).map_err(|error| ease_refused("speed", text, &error))?;
-            return Ok(plain(eased(table, ease, total, duration)?));
+            return Ok(quiet(eased(table, ease, total, duration)?));
         }
         Some(value) => value,
     };
@@ -67,13 +107,16 @@ pub(super) fn build(
         .collect();
     match given.as_slice() {
         ["ease"] => {
-            let distance = speed.share("distance", total)?.unwrap_or(total);
+            let asked = speed.share("distance", total)?;
             let ease = ease(&speed)?;
-            Ok(plain(eased(table, ease, distance, duration)?))
+            Ok(Built {
+                asked,
+                ..quiet(eased(table, ease, asked.unwrap_or(total), duration)?)
+            })
         }
         ["distances"] => distances(&speed, &scale),
-        ["speeds"] => Ok(plain(speeds(&speed, &scale)?)),
-        [_] => Ok(plain(accelerations(&speed, &scale)?)),
+        ["speeds"] => speeds(&speed, &scale),
+        [_] => accelerations(&speed, &scale),
         [] => Err(
             ConstructError::new("speed", "the speed does not say what it is").with_hint(
                 "write an ease in quotes, or one of `ease`, `distances`, `speeds`, `accelerations`",
@@ -120,13 +163,34 @@ fn ease(table: &Values<'_>) -> Result<Box<dyn Ease>, ConstructError> {
     let at = table.at("ease");
     let Some(entry) = eases::entry(name) else {
         // Perhaps one in the notation of style sheets; its parameters are in the text.
+        let beside = table
+            .map
+            .keys()
+            .find(|key| !["ease", "distance"].contains(&key.as_str()));
+        if let Some(key) = beside.filter(|_| name.contains('(')) {
+            let message = format!("`{key}` beside an ease that has its numbers in brackets");
+            return Err(ConstructError::new(table.at(key), message)
+                .with_hint("leave it out, or give all of them by their names"));
+        }
         return eases::parse(name).map_err(|error| ease_refused(&at, name, &error));
     };
     let mut stops = Vec::new();
     for EaseParameter { name, default, .. } in entry.parameters {
         if matches!(default, Setting::Stops(_)) {
             for (i, value) in table.list(name)?.unwrap_or_default().iter().enumerate() {
-                let pair: [f64; 2] = read(value, &below(&table.at(name), i))?;
+                let at = below(&table.at(name), i);
+                let pair: [f64; 2] = read(value, &at)?;
+                if let Some((before, _)) = stops.last()
+                    && pair[0] < *before
+                {
+                    let (time, before) = (short(pair[0]), short(*before));
+                    let message = format!(
+                        "the time of stop {i} is {time}, less than the one before it, {before}"
+                    );
+                    return Err(
+                        ConstructError::new(at, message).with_hint("sort the stops by time")
+                    );
+                }
                 stops.push((pair[0], pair[1]));
             }
         }
@@ -220,9 +284,11 @@ fn distances(table: &Values<'_>, scale: &Scale) -> Result<Built, ConstructError>
         _ => DistanceTime::monotone(&list),
     };
     let control = control.map_err(|error| refused(&table.at("distances"), &error))?;
+    let times: Vec<f64> = list.iter().map(|key| key.time).collect();
     Ok(Built {
         changes: control.changes().to_vec(),
-        control: Box::new(control),
+        notes: scale.late("distances", &times),
+        ..quiet(Box::new(control))
     })
 }
 
@@ -247,7 +313,7 @@ fn between(table: &Values<'_>) -> Result<Between, ConstructError> {
     })
 }
 
-fn speeds(table: &Values<'_>, scale: &Scale) -> Result<Box<dyn SpeedControl>, ConstructError> {
+fn speeds(table: &Values<'_>, scale: &Scale) -> Result<Built, ConstructError> {
     let mut list = Vec::new();
     for (time, speed, mark, at) in keys(
         table,
@@ -263,20 +329,23 @@ fn speeds(table: &Values<'_>, scale: &Scale) -> Result<Box<dyn SpeedControl>, Co
     }
     let between = between(table)?;
     let as_drawn = table.get("distance") == Some(&Value::String(AS_DRAWN.to_owned()));
+    let mut asked = None;
     let control = if as_drawn {
         SpeedTime::as_drawn(&list, between)
     } else {
-        let total = table.share("distance", scale.total)?.unwrap_or(scale.total);
-        SpeedTime::new(&list, total, between)
+        asked = table.share("distance", scale.total)?;
+        SpeedTime::new(&list, asked.unwrap_or(scale.total), between)
     };
     let control = control.map_err(|error| refused(&table.at("speeds"), &error))?;
-    Ok(Box::new(control))
+    let times: Vec<f64> = list.iter().map(|key| key.time).collect();
+    Ok(Built {
+        asked,
+        notes: scale.late("speeds", &times),
+        ..quiet(Box::new(control))
+    })
 }
 
-fn accelerations(
-    table: &Values<'_>,
-    scale: &Scale,
-) -> Result<Box<dyn SpeedControl>, ConstructError> {
+fn accelerations(table: &Values<'_>, scale: &Scale) -> Result<Built, ConstructError> {
     let mut list = Vec::new();
     let what = "[time, acceleration] or [time, acceleration, \"fixed\"]";
     for (time, acceleration, mark, at) in keys(table, "accelerations", scale, what)? {
@@ -286,10 +355,16 @@ fn accelerations(
             fixed: fixed(mark, &at)?,
         });
     }
-    let total = table.share("distance", scale.total)?.unwrap_or(scale.total);
+    let asked = table.share("distance", scale.total)?;
+    let total = asked.unwrap_or(scale.total);
     let start = table.share("start", scale.total)?.unwrap_or(0.0);
     let end = table.share("end", scale.total)?;
     let control = AccelerationTime::new(&list, start, end, total, between(table)?);
     let control = control.map_err(|error| refused(&table.at("accelerations"), &error))?;
-    Ok(Box::new(control))
+    let times: Vec<f64> = list.iter().map(|key| key.time).collect();
+    Ok(Built {
+        asked,
+        notes: scale.late("accelerations", &times),
+        ..quiet(Box::new(control))
+    })
 }

@@ -32,6 +32,27 @@ pub(super) fn read<T: serde::de::DeserializeOwned>(
 /// Largest size of a coordinate: beyond it, products leave the range of numbers.
 const LARGEST: f64 = 1e50;
 
+/// A number that is not too large.
+pub(super) fn moderate(value: &Value, path: &str) -> Result<f64, ConstructError> {
+    let number: f64 = read(value, path)?;
+    if number.abs() <= LARGEST {
+        return Ok(number);
+    }
+    let message = format!("{} is too large", short(number));
+    Err(ConstructError::new(path, message).with_hint("write numbers of at most 1e50 in size"))
+}
+
+/// A number with at most six significant digits, for people.
+pub(super) fn short(number: f64) -> String {
+    let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
+    let size = rounded.abs();
+    if size != 0.0 && size.is_finite() && !(1e-4..1e9).contains(&size) {
+        format!("{rounded:e}")
+    } else {
+        format!("{rounded}")
+    }
+}
+
 /// A point or vector of two or three numbers, and how many they are.
 pub(super) fn point(value: &Value, path: &str) -> Result<(Solid, usize), ConstructError> {
     let numbers: Vec<f64> = read(value, path)?;
@@ -120,7 +141,7 @@ impl<'a> Values<'a> {
         if number.fract() == 0.0 && (0.0..=f64::from(most)).contains(&number) {
             return Ok(Some(number as usize));
         }
-        let message = format!("`{key}` is {number}");
+        let message = format!("`{key}` is {}", short(number));
         Err(ConstructError::new(self.at(key), message)
             .with_hint(format!("write a whole number from 0 to {most}")))
     }
@@ -173,7 +194,20 @@ impl<'a> Values<'a> {
 
 /// A number as it is, or a share of `whole`.
 pub(super) fn share(value: &Value, path: &str, whole: f64) -> Result<f64, ConstructError> {
-    Ok(match read::<Coordinate>(value, path)? {
+    if !matches!(value, Value::Number(_) | Value::String(_)) {
+        let message = format!(
+            "{} where a number or a share such as \"50%\" was expected",
+            crate::words::form(value)
+        );
+        return Err(ConstructError::new(path, message));
+    }
+    let read = read::<Coordinate>(value, path).map_err(|mut error| {
+        // What recipes of warps take shares of is the model.
+        error.message = error.message.replace(" of the model's bounds", "");
+        error.hint = error.hint.replace(" of the model's bounds", "");
+        error
+    });
+    Ok(match read? {
         Coordinate::Absolute(number) => number,
         Coordinate::Relative(share) => share * whole,
     })
