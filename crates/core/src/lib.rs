@@ -11,6 +11,7 @@
 //! - [`Deformation`]: moves sites. [`Warp`]: a deformation with terms; [`Terms`]: a warp given by its terms.
 //! - [`Stack`], [`Masked`], [`Modulated`]: deformations made of deformations.
 //! - [`Curve`], [`Differentiable`], [`NearestPoint`]: what warps and motions know of a curve.
+//! - [`Sampling`]: how integrals over continuous features become sums.
 //! - [`Binding`]: fields evaluated once and kept. [`guarantees`]: what is promised. [`reference`](mod@reference): the
 //!   literal formula.
 //!
@@ -40,6 +41,7 @@ mod marks;
 pub mod math;
 mod model;
 pub mod reference;
+pub mod sampling;
 #[cfg(feature = "simd")]
 pub mod simd;
 mod space;
@@ -60,6 +62,7 @@ pub use engine::{map_all, map_all_f32};
 pub use field::{Domain, Field, Smoothness, Support};
 pub use marks::{Mark, Role, Shape};
 pub use model::{Bounds, Site};
+pub use sampling::Sampling;
 pub use space::{Linear, Plane, Solid, Space};
 pub use surface::{carry_normal, carry_tangent, vertex_normals};
 pub use terms::{Modulated, Term, Terms};
