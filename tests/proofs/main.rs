@@ -6,3 +6,4 @@ mod barr;
 mod features;
 mod framework;
 mod lattices;
+mod wires;

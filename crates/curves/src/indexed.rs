@@ -37,6 +37,11 @@ impl<S: Space, P: Deref<Target: Pieces<S>>> Indexed<S, P> {
         &self.curve
     }
 
+    /// The handle of the curve.
+    pub fn handle(&self) -> &P {
+        &self.curve
+    }
+
     /// The table.
     pub fn table(&self) -> &NearestTable<S> {
         &self.table
