@@ -21,7 +21,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 type Held<S> = Indexed<S, Box<Bezier<S>>>;
 
 fn bezier<S: Space>(points: &[S]) -> Arc<Held<S>> {
-    Arc::new(Indexed::new(Box::new(Bezier::new(points.to_vec()).unwrap())))
+    Arc::new(Indexed::new(Box::new(
+        Bezier::new(points.to_vec()).unwrap(),
+    )))
 }
 
 fn random_bezier<S: Space>(random: &mut Random, count: usize) -> Arc<Held<S>> {
@@ -50,8 +52,10 @@ fn lone_wires_land<S: Rotational>(seed: u64) {
             if round % 5 == 0 { share * share } else { share }
         };
         if round % 5 == 0 {
-            let points: Vec<[f64; 2]> =
-                (0..=64).map(|i| f64::from(i) / 64.0).map(|s| [s, s * s]).collect();
+            let points: Vec<[f64; 2]> = (0..=64)
+                .map(|i| f64::from(i) / 64.0)
+                .map(|s| [s, s * s])
+                .collect();
             wire.crimp = Some(Profile::through(&points).unwrap());
         }
         let (source, target) = (wire.source.clone(), wire.target.clone());
@@ -148,20 +152,38 @@ fn b14_is_the_formula() {
 
 /// A wire bent like a horseshoe, whose arms are told to go different ways: Fig. 16.
 fn horseshoe() -> Wire<Plane> {
-    let source = [dvec2(-1.0, 0.0), dvec2(-1.0, 3.0), dvec2(1.0, 3.0), dvec2(1.0, 0.0)];
-    let target = [dvec2(-1.0, -0.5), dvec2(-1.0, 3.0), dvec2(1.0, 3.0), dvec2(1.0, 0.5)];
+    let source = [
+        dvec2(-1.0, 0.0),
+        dvec2(-1.0, 3.0),
+        dvec2(1.0, 3.0),
+        dvec2(1.0, 0.0),
+    ];
+    let target = [
+        dvec2(-1.0, -0.5),
+        dvec2(-1.0, 3.0),
+        dvec2(1.0, 3.0),
+        dvec2(1.0, 0.5),
+    ];
     Wire::new(bezier(&source), bezier(&target), 3.0)
 }
 
 #[test]
 fn b15_the_tear_of_b14_is_gone() {
     let line: Vec<Plane> = (0..anamorph_tests::measure::SAMPLES)
-        .map(|i| dvec2(-0.7 + 1.4 * i as f64 / (anamorph_tests::measure::SAMPLES - 1) as f64, 0.3))
+        .map(|i| {
+            dvec2(
+                -0.7 + 1.4 * i as f64 / (anamorph_tests::measure::SAMPLES - 1) as f64,
+                0.3,
+            )
+        })
         .collect();
     let moved = |warp: &dyn Deformation<Plane>| {
         let mut moved = line.clone();
         map_all(warp, &mut moved);
-        let largest = moved.windows(2).map(|p| p[0].distance(p[1])).fold(0.0, f64::max);
+        let largest = moved
+            .windows(2)
+            .map(|p| p[0].distance(p[1]))
+            .fold(0.0, f64::max);
         (jump_share(&moved, 0), largest)
     };
     let torn = moved(&Wires::construct(vec![horseshoe()], None).unwrap());
@@ -184,7 +206,10 @@ fn b15_the_tear_of_b14_is_gone() {
     let facts = smooth.unwrap().facts();
     assert_eq!(facts.smoothness(), anamorph_core::Smoothness::C(0));
     assert_eq!(
-        Wires::construct(vec![horseshoe()], None).unwrap().facts().smoothness(),
+        Wires::construct(vec![horseshoe()], None)
+            .unwrap()
+            .facts()
+            .smoothness(),
         anamorph_core::Smoothness::Jump
     );
 }
@@ -192,11 +217,31 @@ fn b15_the_tear_of_b14_is_gone() {
 /// Hard wires for quadrature: a cusp, a loop, a corner of speeds, several exponents.
 fn hard(round: usize) -> Vec<Wire<Plane>> {
     let curves: [[Plane; 4]; 3] = [
-        [dvec2(-1.0, 0.0), dvec2(1.0, 1.0), dvec2(-1.0, 1.0), dvec2(1.0, 0.0)],
-        [dvec2(-1.0, 0.0), dvec2(3.0, 1.5), dvec2(-3.0, 1.5), dvec2(1.0, 0.0)],
-        [dvec2(-1.0, 0.2), dvec2(-0.9, 0.2), dvec2(0.9, 0.9), dvec2(1.0, -0.3)],
+        [
+            dvec2(-1.0, 0.0),
+            dvec2(1.0, 1.0),
+            dvec2(-1.0, 1.0),
+            dvec2(1.0, 0.0),
+        ],
+        [
+            dvec2(-1.0, 0.0),
+            dvec2(3.0, 1.5),
+            dvec2(-3.0, 1.5),
+            dvec2(1.0, 0.0),
+        ],
+        [
+            dvec2(-1.0, 0.2),
+            dvec2(-0.9, 0.2),
+            dvec2(0.9, 0.9),
+            dvec2(1.0, -0.3),
+        ],
     ];
-    let target = [dvec2(-1.2, 0.4), dvec2(0.2, 1.4), dvec2(0.3, -0.5), dvec2(1.3, 0.6)];
+    let target = [
+        dvec2(-1.2, 0.4),
+        dvec2(0.2, 1.4),
+        dvec2(0.3, -0.5),
+        dvec2(1.3, 0.6),
+    ];
     let mut wire = Wire::new(bezier(&curves[round % 3]), bezier(&target), 0.9);
     wire.exponent = [0.0, 1.0, 2.0, 0.5][round % 4];
     vec![wire]
@@ -217,7 +262,10 @@ fn a2_each_sampling_has_its_error() {
             .fold(0.0, f64::max);
         let error = |sampling| {
             let warp = build(sampling);
-            let off = points.iter().zip(&exact).map(|(&p, q)| at(&warp, p).distance(*q));
+            let off = points
+                .iter()
+                .zip(&exact)
+                .map(|(&p, q)| at(&warp, p).distance(*q));
             off.fold(0.0, f64::max)
         };
         for tolerance in [1e-2, 1e-4, 1e-6] {
@@ -230,11 +278,20 @@ fn a2_each_sampling_has_its_error() {
         // Eight times the cells, 64 times less error, but for the corner at a cusp or where displacements vanish.
         let (coarse, dense) = (error(Sampling::Uniform(50)), error(Sampling::Uniform(1600)));
         let order = (coarse / dense).ln() / 32.0_f64.ln();
-        assert!(order > 1.4, "round {round}: {coarse:e}, {dense:e}, order {order}");
+        assert!(
+            order > 1.4,
+            "round {round}: {coarse:e}, {dense:e}, order {order}"
+        );
         assert!(error(Sampling::GaussLegendre(128)) < 1e-3 * largest);
     }
     // Where everything is smooth the order is two.
-    let wires = || vec![Wire { exponent: 0.0, radius: Along::constant(6.0), ..horseshoe() }];
+    let wires = || {
+        vec![Wire {
+            exponent: 0.0,
+            radius: Along::constant(6.0),
+            ..horseshoe()
+        }]
+    };
     let warp = |sampling| ContinuousWires::construct(wires(), sampling, None).unwrap();
     let p = dvec2(0.2, 0.7);
     let exact = at(&warp(Sampling::GaussLegendre(200)), p);
@@ -280,7 +337,10 @@ impl NearestPoint<Plane> for Hurried {
     fn nearest(&self, to: Plane) -> Nearest<Plane> {
         let found = self.0.nearest(to);
         let u = (-0.3 + (0.09 + 2.8 * found.parameter).sqrt()) / 1.4;
-        Nearest { parameter: u, ..found }
+        Nearest {
+            parameter: u,
+            ..found
+        }
     }
 }
 
@@ -288,8 +348,18 @@ impl NearestPoint<Plane> for Hurried {
 fn b15_another_parameter_changes_nothing() {
     let plain = horseshoe();
     let ends = [
-        [dvec2(-1.0, 0.0), dvec2(-1.0, 3.0), dvec2(1.0, 3.0), dvec2(1.0, 0.0)],
-        [dvec2(-1.0, -0.5), dvec2(-1.0, 3.0), dvec2(1.0, 3.0), dvec2(1.0, 0.5)],
+        [
+            dvec2(-1.0, 0.0),
+            dvec2(-1.0, 3.0),
+            dvec2(1.0, 3.0),
+            dvec2(1.0, 0.0),
+        ],
+        [
+            dvec2(-1.0, -0.5),
+            dvec2(-1.0, 3.0),
+            dvec2(1.0, 3.0),
+            dvec2(1.0, 0.5),
+        ],
     ];
     let hurried = Wire {
         source: Arc::new(Hurried(bezier(&ends[0]))),
@@ -317,12 +387,14 @@ fn b15_another_parameter_changes_nothing() {
 fn b14_options_do_what_they_say() {
     let line = |y: f64| bezier(&[dvec2(0.0, y), dvec2(4.0, y)]);
     let base = || Wire::new(line(0.0), line(1.0), 1.0);
-    let lift = |wire: Wire<Plane>, p: Plane| {
-        at(&Wires::construct(vec![wire], None).unwrap(), p).y - p.y
-    };
+    let lift =
+        |wire: Wire<Plane>, p: Plane| at(&Wires::construct(vec![wire], None).unwrap(), p).y - p.y;
     // Radius and scale drawn along the wire.
     let radius = Along::through(&[[0.0, 0.5], [1.0, 2.0]]).unwrap();
-    let wire = || Wire { radius: radius.clone(), ..base() };
+    let wire = || Wire {
+        radius: radius.clone(),
+        ..base()
+    };
     assert_eq!(lift(wire(), dvec2(0.0, 0.5)), 0.0);
     assert!((lift(wire(), dvec2(4.0, 1.0)) - Hat.value(0.5)).abs() < 1e-12);
     let scale = Along::through(&[[0.0, 1.0], [1.0, 3.0]]).unwrap();
@@ -330,21 +402,34 @@ fn b14_options_do_what_they_say() {
     let s = Hat.value(0.5);
     assert!((lift(wire, dvec2(4.0, 0.5)) - (s + 0.5 * 2.0 * s)).abs() < 1e-12);
     // A domain curve at height 3: upwards the wire reaches just to it, downwards as far as its radius.
-    let wire = || Wire { domain: Some(line(3.0)), ..base() };
+    let wire = || Wire {
+        domain: Some(line(3.0)),
+        ..base()
+    };
     assert!((lift(wire(), dvec2(2.0, 1.5)) - Hat.value(0.5)).abs() < 1e-12);
     assert_eq!(lift(wire(), dvec2(2.0, 3.0)), 0.0);
     assert_eq!(lift(wire(), dvec2(2.0, -1.0)), 0.0);
     assert!((lift(wire(), dvec2(2.0, -0.5)) - Hat.value(0.5)).abs() < 1e-12);
     // Anchors hold what is near, and nothing beyond their radius.
-    let anchor = Anchor { curve: bezier(&[dvec2(2.0, -3.0), dvec2(2.0, 3.0)]), radius: 0.5 };
-    let wire = || Wire { anchors: vec![anchor.clone()], ..base() };
+    let anchor = Anchor {
+        curve: bezier(&[dvec2(2.0, -3.0), dvec2(2.0, 3.0)]),
+        radius: 0.5,
+    };
+    let wire = || Wire {
+        anchors: vec![anchor.clone()],
+        ..base()
+    };
     assert_eq!(lift(wire(), dvec2(2.0, 0.3)), 0.0);
     assert_eq!(lift(wire(), dvec2(3.0, 0.3)), lift(base(), dvec2(3.0, 0.3)));
     let half = lift(wire(), dvec2(2.25, 0.0));
     assert!((half - (1.0 - Hat.value(0.5))).abs() < 1e-12);
     // Locality: the wire that is near decides more.
     let two = |locality: f64| {
-        let near = Wire { locality, exponent: 0.0, ..base() };
+        let near = Wire {
+            locality,
+            exponent: 0.0,
+            ..base()
+        };
         let far = Wire {
             source: line(0.8),
             target: line(-0.2),
@@ -352,15 +437,37 @@ fn b14_options_do_what_they_say() {
             exponent: 0.0,
             ..base()
         };
-        at(&Wires::construct(vec![near, far], None).unwrap(), dvec2(2.0, 0.1)).y - 0.1
+        at(
+            &Wires::construct(vec![near, far], None).unwrap(),
+            dvec2(2.0, 0.1),
+        )
+        .y - 0.1
     };
-    assert!(two(0.0) < two(2.0) && two(2.0) < two(8.0), "{} {} {}", two(0.0), two(2.0), two(8.0));
+    assert!(
+        two(0.0) < two(2.0) && two(2.0) < two(8.0),
+        "{} {} {}",
+        two(0.0),
+        two(2.0),
+        two(8.0)
+    );
     assert!((two(8.0) - Hat.value(0.1)).abs() < 0.05);
     // Exponents: larger displacements win with larger ones, smaller ones with negative ones.
     let pull = |exponent: f64| {
-        let strong = Wire { target: line(3.0), exponent, ..base() };
-        let weak = Wire { target: line(0.5), exponent, ..base() };
-        at(&Wires::construct(vec![strong, weak], None).unwrap(), dvec2(2.0, 0.0)).y
+        let strong = Wire {
+            target: line(3.0),
+            exponent,
+            ..base()
+        };
+        let weak = Wire {
+            target: line(0.5),
+            exponent,
+            ..base()
+        };
+        at(
+            &Wires::construct(vec![strong, weak], None).unwrap(),
+            dvec2(2.0, 0.0),
+        )
+        .y
     };
     assert!((pull(0.0) - 1.75).abs() < 1e-12);
     assert!((pull(1.0) - (9.0 + 0.25) / 3.5).abs() < 1e-12);
@@ -392,7 +499,8 @@ impl NearestPoint<Solid> for Counting {
     }
     fn nearest_within(&self, to: Solid, reach: f64) -> Option<Nearest<Solid>> {
         let found = self.0.nearest_within(to, reach);
-        self.1.fetch_add(usize::from(found.is_some()), Ordering::Relaxed);
+        self.1
+            .fetch_add(usize::from(found.is_some()), Ordering::Relaxed);
         found
     }
 }
@@ -423,14 +531,21 @@ fn b14_points_out_of_reach_are_not_searched_for() {
     map_all(&warp, &mut moved);
     let changed = points.iter().zip(&moved).filter(|(a, b)| a != b).count();
     let searched = count.load(Ordering::Relaxed);
-    assert!(changed > 100 && searched <= 2 * changed, "{searched} for {changed}");
+    assert!(
+        changed > 100 && searched <= 2 * changed,
+        "{searched} for {changed}"
+    );
 }
 
 #[test]
 fn b16_depth_is_unchanged() {
     let mut random = Random::new(160);
     for round in 0..40 {
-        let view = if round % 2 == 0 { Solid::Z } else { random.direction() };
+        let view = if round % 2 == 0 {
+            Solid::Z
+        } else {
+            random.direction()
+        };
         let wires: Vec<Wire<Solid>> = (0..1 + round % 3)
             .map(|_| {
                 let mut wire = random_wire(&mut random);
@@ -517,9 +632,17 @@ fn b16_rigid_edits_of_the_axis_are_rigid() {
             point: turn * (origin + start.x_axis * (share * length)) + shift,
             frame: turn * start,
         };
-        let axis = Axis::Line { origin, frame: start, length };
+        let axis = Axis::Line {
+            origin,
+            frame: start,
+            length,
+        };
         let rail = Rail::new("target", &station, 1e-12).unwrap();
-        let reach = AxialReach { inner: 50.0, outer: 60.0, falloff: &Smootherstep };
+        let reach = AxialReach {
+            inner: 50.0,
+            outer: 60.0,
+            falloff: &Smootherstep,
+        };
         let warp = AxialCurve::construct(axis, rail, Some(reach)).unwrap();
         for _ in 0..50 {
             let p = random.vector::<Solid>() * 5.0;
@@ -540,10 +663,15 @@ fn b16_rigid_edits_of_the_axis_are_rigid() {
 fn b16_a_curved_axis_carries_its_frames() {
     // A wavy axis straightened: points keep their distance from it.
     let points: Vec<Solid> = (0..6)
-        .map(|i| dvec3(f64::from(i), 0.4 * f64::from(i).sin(), 0.2 * f64::from(i % 2)))
+        .map(|i| {
+            dvec3(
+                f64::from(i),
+                0.4 * f64::from(i).sin(),
+                0.2 * f64::from(i % 2),
+            )
+        })
         .collect();
-    let curve: Arc<PiecewiseCubic<Solid>> =
-        Arc::new(CatmullRom::new(points).curve().unwrap());
+    let curve: Arc<PiecewiseCubic<Solid>> = Arc::new(CatmullRom::new(points).curve().unwrap());
     let frames = anamorph_curves::orientation::RotationMinimizing::default()
         .along(curve.clone())
         .unwrap();
@@ -595,7 +723,10 @@ fn bad_curves_are_refused_or_answered() {
         Sampling::Uniform(5),
         None,
     );
-    assert!(matches!(still.err(), Some(WireError::NoLength { feature: 0, .. })));
+    assert!(matches!(
+        still.err(),
+        Some(WireError::NoLength { feature: 0, .. })
+    ));
     let back = bezier(&[dvec2(0.0, 0.0), dvec2(2.0, 0.0), dvec2(0.0, 0.0)]);
     let bent = bezier(&[dvec2(0.0, 1.0), dvec2(2.0, 2.0), dvec2(0.0, 1.5)]);
     for sampling in [
@@ -634,16 +765,34 @@ fn bad_curves_are_refused_or_answered() {
     let good = || Wire::new(back.clone(), bent.clone(), 1.0);
     let refused = |wire: Wire<Plane>| Wires::construct(vec![wire], None).err().unwrap();
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = refused(Wire { radius: Along::constant(radius), ..good() });
-        assert!(matches!(error, WireError::Radius { feature: 0, .. }), "{error}");
+        let error = refused(Wire {
+            radius: Along::constant(radius),
+            ..good()
+        });
+        assert!(
+            matches!(error, WireError::Radius { feature: 0, .. }),
+            "{error}"
+        );
     }
-    let error = refused(Wire { exponent: f64::NAN, ..good() });
+    let error = refused(Wire {
+        exponent: f64::NAN,
+        ..good()
+    });
     assert!(error.to_string().contains("exponent"));
-    let error = refused(Wire { locality: -1.0, ..good() });
+    let error = refused(Wire {
+        locality: -1.0,
+        ..good()
+    });
     assert!(error.to_string().contains("locality"));
-    let error = refused(Wire { scale: Along::constant(f64::NAN), ..good() });
+    let error = refused(Wire {
+        scale: Along::constant(f64::NAN),
+        ..good()
+    });
     assert!(error.to_string().contains("scale"));
-    assert_eq!(Wires::<Plane>::construct(Vec::new(), None).err(), Some(WireError::None));
+    assert_eq!(
+        Wires::<Plane>::construct(Vec::new(), None).err(),
+        Some(WireError::None)
+    );
     let view = Wires::construct(vec![good()], Some(dvec2(1.0, 0.0))).err();
     assert_eq!(view, Some(WireError::View));
     let sampling = ContinuousWires::construct(vec![good()], Sampling::Adaptive(0.0), None);
@@ -660,14 +809,28 @@ fn bad_curves_are_refused_or_answered() {
     impl Differentiable<Plane> for Lost {
         fn jet(&self, _: f64) -> Jet<Plane> {
             let nan = dvec2(f64::NAN, 0.0);
-            Jet { point: nan, first: nan, second: nan, third: nan }
+            Jet {
+                point: nan,
+                first: nan,
+                second: nan,
+                third: nan,
+            }
         }
         fn breaks(&self) -> Vec<f64> {
             vec![0.0, 1.0]
         }
     }
-    let error = refused(Wire { target: Arc::new(Lost), ..good() });
-    assert_eq!(error, WireError::NotFinite { feature: 0, which: "target" });
+    let error = refused(Wire {
+        target: Arc::new(Lost),
+        ..good()
+    });
+    assert_eq!(
+        error,
+        WireError::NotFinite {
+            feature: 0,
+            which: "target"
+        }
+    );
     // The kernel leaves what is not a number to the engine.
     let mut points = vec![dvec2(f64::NAN, 0.0), dvec2(0.5, 0.0)];
     let warp = Wires::construct(vec![good()], None).unwrap();

@@ -88,6 +88,7 @@ pub fn settings<S: Registered>() -> Vec<Setting> {
     features(&mut list);
     lattices(&mut list);
     axes(&mut list);
+    curves(&mut list);
     list.all
 }
 
@@ -324,6 +325,81 @@ fn axes<S: Registered>(list: &mut List<S>) {
     list.add("taper", &[None], "axis = \"x\"\nprofile = [[0.3, 0.5]]");
 }
 
+fn curves<S: Registered>(list: &mut List<S>) {
+    let first = r#"{ source = { kind = "bezier", points = [«"10%";"20%";"40%"», «"20%";"90%";"50%"», «"70%";"-10%";"60%"», «"90%";"80%";"50%"»] },
+        target = { points = [«"0%";"50%";"40%"», «"60%";"60%";"80%"», «"110%";"30%";"50%"»] }"#;
+    let second = r#"{ source = { kind = "b-spline", degree = 1, closed = true, points = [«"30%";"30%";"30%"», «"80%";"40%";"70%"», «"50%";"80%";"50%"»] },
+        by = «"10%";"-5%";"3%"», scale = [[0, 1], [0.5, 1.7], [1, 1]]"#;
+    let holds = r#"anchor = [{ curve = { points = [«"0%";"0%";"0%"», «"40%";"50%";"50%"»] }, radius = "12%" }]"#;
+    for (m1, m2) in [(1.0, 1.0), (0.0, 2.0), (-1.0, 0.5)] {
+        let wires = format!(
+            "wire = [{first}, radius = \"35%\", exponent = {m1} }}, {second}, radius = [[0, \"15%\"], [1, \"30%\"]], \
+             exponent = {m2}, locality = 1.5 }}]\n{holds}\n"
+        );
+        list.add("wires", &[None], &wires);
+        for sampling in [
+            "\"nearest\"",
+            "{ uniform = 24 }",
+            "{ gauss-legendre = 5 }",
+            "{ adaptive = 0.01 }",
+        ] {
+            list.add(
+                "continuous-wires",
+                &[None],
+                &format!("{wires}sampling = {sampling}"),
+            );
+        }
+        if S::DIM == 3 {
+            list.add(
+                "depth-wires",
+                &[None],
+                &format!("view = [1, 2, 2]\n{wires}"),
+            );
+            list.add(
+                "depth-wires",
+                &[None],
+                &format!("view = \"y\"\n{wires}sampling = {{ uniform = 20 }}"),
+            );
+        }
+    }
+    // A wire whose directions are opposite, with a domain curve and a crimp; and one that stays.
+    list.add(
+        "wires",
+        &[None],
+        r#"radius = "40%"
+        [[wire]]
+        source = { kind = "general-bezier", points = [«"20%";"50%";"50%"», «"80%";"50%";"50%"»] }
+        target = { kind = "general-bezier", points = [«"80%";"50%";"50%"», «"20%";"50%";"50%"»] }
+        domain = { points = [«"20%";"90%";"50%"», «"80%";"70%";"50%"»] }
+        crimp = [[0, 0], [0.5, 0.2], [1, 1]]
+        [[wire]]
+        source = { points = [«"50%";"0%";"50%"», «"50%";"100%";"40%"»] }"#,
+    );
+    let curve = r#"target = { points = [«"10%";"20%";"40%"», «"40%";"70%";"20%"», «"90%";"60%";"80%"», «"120%";"120%";"50%"»] }"#;
+    let across = "~across = [1, 0, 0]\ntwist = [[0, \"0deg\"], [1, \"200deg\"]]\n~";
+    for (reach, falloff) in [
+        ("", ""),
+        ("reach = [\"10%\", \"40%\"]\n", ""),
+        ("reach = [0, \"30%\"]\n", "falloff = \"smootherstep\"\n"),
+    ] {
+        list.add(
+            "axial-curve",
+            &BOTH,
+            &format!("{reach}{falloff}axis = «1;2;2»\ncentre = «\"45%\";\"50%\";\"60%\"»\n{across}scale = [[0, 1], [1, 0.5]]\n{curve}"),
+        );
+        list.add(
+            "axial-curve",
+            &[None],
+            &format!("{reach}{falloff}axis = \"-y\"\nrange = [\"20%\", \"75%\"]\nlength = \"keep\"\n{curve}"),
+        );
+        list.add(
+            "axial-curve",
+            &[None],
+            &format!("{reach}{falloff}source = {{ points = [«\"0%\";\"40%\";\"50%\"», «\"50%\";\"60%\";\"40%\"», «\"100%\";\"50%\";\"60%\"»] }}\n{curve}"),
+        );
+    }
+}
+
 /// Pairs of settings with the same source and other targets: a binding of the first serves the second.
 pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
     let pairs: &[(&'static str, &str, &str, &str)] = &[
@@ -369,6 +445,26 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
             "axis = «1;2;2»\nlimits = \"smooth\"\n",
             "toward = «1;0;0»\nangle = \"50deg\"",
             "toward = «0;1;0»\nradius = \"90%\"",
+        ),
+        (
+            "wires",
+            "radius = \"40%\"\nlocality = 1\n",
+            "wire = [{ source = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }, by = \"9%\" }]",
+            "wire = [{ source = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }, scale = 2, exponent = 2, \
+             target = { points = [«\"90%\";\"30%\";\"50%\"», «\"30%\";\"60%\";\"70%\"», «\"0%\";\"60%\";\"70%\"»] } }]",
+        ),
+        (
+            "continuous-wires",
+            "radius = \"40%\"\nsampling = { adaptive = 1e-3 }\n",
+            "wire = [{ source = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }, by = \"9%\" }]",
+            "wire = [{ source = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }, scale = 2, exponent = 2, \
+             target = { points = [«\"90%\";\"30%\";\"50%\"», «\"30%\";\"60%\";\"70%\"», «\"0%\";\"60%\";\"70%\"»] } }]",
+        ),
+        (
+            "axial-curve",
+            "axis = «1;2;2»\nreach = [\"10%\", \"50%\"]\n",
+            "target = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }",
+            "target = { points = [«\"20%\";\"90%\";\"50%\"», «\"80%\";\"60%\";\"40%\"», \"10%\"] }\nscale = 0.5",
         ),
         (
             "axial",

@@ -94,12 +94,18 @@ pub(super) static PARTS: &[Part] = &[
             scene!("twist", SPOT, BackQuarter),
             scene!("bend", TEAPOT, Front),
             scene!("axial", TEAPOT, ThreeQuarter),
+            scene!("wires", SPOT, BackQuarter),
+            scene!("axial-curve", TEAPOT, ThreeQuarter),
+            scene!("depth-wires", SPOT, Right),
         ],
     },
     Part {
         title: "Variants that the framework invents",
         about: "What becomes possible when the parts of a warp are exchanged.",
-        scenes: &[scene!("frame-lattice", SPOT, BackQuarter)],
+        scenes: &[
+            scene!("frame-lattice", SPOT, BackQuarter),
+            scene!("continuous-wires", GRID, Front),
+        ],
     },
     Part {
         title: "Stacks and masks",

@@ -295,16 +295,26 @@ impl Common<'_> {
         if let Some(scale) = mine.or(self.scale) {
             wire.scale = scale.resolve(&at("scale", mine.is_some()))?;
         }
-        wire.exponent = own
-            .and_then(|w| w.exponent)
-            .or(self.exponent)
-            .unwrap_or(1.0);
-        wire.locality = own
-            .and_then(|w| w.locality)
-            .or(self.locality)
-            .unwrap_or(0.0);
+        let number = |key: &str, mine: Option<f64>, common: Option<f64>, usual, range: [f64; 2]| {
+            let number = mine.or(common).unwrap_or(usual);
+            if (range[0]..=range[1]).contains(&number) {
+                return Ok(number);
+            }
+            let message = format!("the {key} is {number}");
+            let hint = format!("write a number from {} to {}", range[0], range[1]);
+            Err(ConstructError::new(at(key, mine.is_some()), message).with_hint(hint))
+        };
+        let mine = own.and_then(|w| w.exponent);
+        wire.exponent = number("exponent", mine, self.exponent, 1.0, [-16.0, 16.0])?;
+        let mine = own.and_then(|w| w.locality);
+        wire.locality = number("locality", mine, self.locality, 0.0, [0.0, 16.0])?;
         let mine = own.and_then(|w| w.falloff);
         wire.falloff = mine.or(self.falloff).unwrap_or_default().get();
+        if !wire.falloff.compact() {
+            let message = format!("`{}` does not end at a radius", wire.falloff.name());
+            return Err(ConstructError::new(at("falloff", mine.is_some()), message)
+                .with_hint("take one that does, such as \"wires\""));
+        }
         if let Some(own) = own {
             if let Some(crimp) = &own.crimp {
                 let path = format!("{path}.crimp");
