@@ -241,11 +241,11 @@ fn run<S: Rotational>(case: &Case) -> usize {
             case.check(&warp.unwrap())
         }
         "wires.continuous_wires" => {
-            let gauss =
-                ContinuousWires::construct(wires::<S>(case), Sampling::GaussLegendre(256), None);
+            let uniform =
+                ContinuousWires::construct(wires::<S>(case), Sampling::Uniform(20_000), None);
             let adaptive =
                 ContinuousWires::construct(wires::<S>(case), Sampling::Adaptive(1e-8), None);
-            case.check(&adaptive.unwrap()) + case.check(&gauss.unwrap())
+            case.check(&adaptive.unwrap()) + case.check(&uniform.unwrap())
         }
         other => panic!("{}: no test computes {other}", case.id),
     }

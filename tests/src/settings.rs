@@ -455,7 +455,7 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
         ),
         (
             "continuous-wires",
-            "radius = \"40%\"\nsampling = { adaptive = 1e-3 }\n",
+            "radius = \"40%\"\nsampling = { uniform = 30 }\n",
             "wire = [{ source = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }, by = \"9%\" }]",
             "wire = [{ source = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }, scale = 2, exponent = 2, \
              target = { points = [«\"90%\";\"30%\";\"50%\"», «\"30%\";\"60%\";\"70%\"», «\"0%\";\"60%\";\"70%\"»] } }]",

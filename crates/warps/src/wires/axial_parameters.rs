@@ -14,9 +14,9 @@ use anamorph_catalog::{
     WarpEntry, parse, schemars,
 };
 use anamorph_core::{Differentiable, Linear, Plane, Solid, Space};
+use anamorph_curves::LengthTable;
 use anamorph_curves::families::registry::{InFamily, Path};
 use anamorph_curves::orientation::{Orienter, RotationMinimizing};
-use anamorph_curves::LengthTable;
 use anamorph_fields::Profile;
 use anamorph_fields::recipe::FalloffName;
 use anamorph_transforms::Rotational;

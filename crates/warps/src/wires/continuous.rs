@@ -9,11 +9,12 @@
 //! | nearest | the nearest place alone, with mass 1 | none of its own: it is Wires with `s` in the weight, tears included |
 //! | uniform | the middles of equal cells of length | falls with the square of the cells |
 //! | Gauss–Legendre | on every smooth piece of the source | falls fast until the edge of the reach, where weights are C¹, is met |
-//! | adaptive | by Gauss–Kronrod panels for each point | at most about its tolerance, relative to the displacement |
+//! | adaptive | by Gauss–Kronrod panels for each point | at most its tolerance, relative to the wire's largest displacement |
 //!
-//! Adaptive panels look at the source alone, so that a binding serves any target: they are halved until the integrals of the
-//! weight, of weight × strength, and of that times place and direction of the source have converged, from which displacements by any
-//! smooth edit of the wire are made. With uniform or Gauss–Legendre nodes the warp is exactly as smooth as
+//! Adaptive panels are halved until the integrals of the weight and of weight × displacement have converged. Where they are halved
+//! follows the target, too, because its corners, and places that hardly move, are what is hard to integrate; a binding keeps the
+//! nodes of the target that it was made with, which is a quadrature for any other target, though not one of its tolerance. Uniform
+//! and Gauss–Legendre nodes are those of the source alone, and with them the warp is exactly as smooth as
 //! [`facts`](Deformation::facts) says; with adaptive ones it may jump by as much as the tolerance.
 //!
 //! The price of continuity: targets are met approximately (FW §7.2).
@@ -34,8 +35,11 @@ use anamorph_transforms::Rotational;
 const BLOCK: usize = 16;
 /// Halvings of a panel until it is shorter than half the radius.
 const HALVINGS: u32 = 16;
-/// How much better the source's integrals are than the tolerance of displacements: weights follow displacements, which multiplies errors.
-const SAFETY: f64 = 0.1;
+/// How much better the integrals are than the tolerance: the average is a quotient, to whose error both contribute.
+const SAFETY: f64 = 0.05;
+/// Displacements below this share of the largest count as that where panels are halved: weights with negative exponents are infinite
+/// where nothing moves.
+const STILL: f64 = 1e-6;
 
 /// A node with what does not depend on the point.
 struct Sample<S: Space> {
@@ -59,6 +63,20 @@ struct Part<S> {
 struct Course<S: Space> {
     samples: Vec<Sample<S>>,
     parts: Vec<Part<S>>,
+    /// No point is displaced by more than about this; 0 for a wire that stays.
+    largest: f64,
+}
+
+/// The largest displacement that a wire's transformations make within its reach, from samples.
+fn largest<S: Rotational>(wire: &Prepared<S>) -> f64 {
+    let places = wire.source.samples.iter();
+    let of = |at: f64| {
+        let local = wire.local(at);
+        // A turn moves by the chord, at most the angle and at most twice the distance.
+        let turned = local.turn.angle.abs().min(2.0) + (local.scale - 1.0).abs();
+        local.shift.length() + turned * wire.reach
+    };
+    places.map(|(at, _)| of(*at)).fold(0.0, f64::max)
 }
 
 /// A warp by wires, each acting from all of its length.
@@ -129,6 +147,7 @@ impl<S: Rotational> Course<S> {
             return Self {
                 samples: Vec::new(),
                 parts,
+                largest: largest(wire),
             };
         };
         let samples: Vec<Sample<S>> = nodes
@@ -153,6 +172,7 @@ impl<S: Rotational> Course<S> {
         Self {
             parts: parts.collect(),
             samples,
+            largest: 0.0,
         }
     }
 
@@ -213,26 +233,25 @@ impl<S: Rotational> ContinuousWires<S> {
             .map(|part| (part.from, part.to));
         let mut nodes = Vec::new();
         let mut integrand = |at: f64| {
-            let jet = wire.source.curve.jet(at);
-            let strength = wire.strength_with(point, at, jet.point, common);
+            let local = wire.local(at);
+            let strength = wire.strength_with(point, at, local.centre, common);
             if strength == 0.0 {
-                return [0.0; 8];
+                return [0.0; 4];
             }
-            let speed = jet.first.length();
-            let weight = strength * wire.local_weight(strength) * speed;
-            let moved = weight * strength;
-            let (place, along) = ((jet.point - point) / wire.reach, jet.first / speed);
-            let mut values = [weight, moved, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+            let speed = wire.source.curve.velocity(at).length();
+            let moved = local.scaled(strength, wire.view).displacement(point);
+            let size = moved.length().max(STILL * course.largest);
+            let base = strength * wire.local_weight(strength) * speed;
+            let weight = wire.weight_of_size(base, strength, size);
+            let mut values = [weight, 0.0, 0.0, 0.0];
             for axis in 0..S::DIM {
-                values[2 + axis] = moved * place.component(axis);
-                values[5 + axis] = if speed > 0.0 {
-                    moved * along.component(axis)
-                } else {
-                    0.0
-                };
+                values[1 + axis] = weight * (moved.component(axis) / course.largest);
             }
             values
         };
+        if course.largest == 0.0 {
+            return nodes;
+        }
         adaptive(near, SAFETY * tolerance, &mut integrand, &mut nodes);
         nodes
     }

@@ -356,13 +356,18 @@ impl<S: Rotational> Prepared<S> {
     /// The weight as finished by the displacement: `w‖δ‖^m` (errata F9).
     #[inline]
     pub(super) fn weight(&self, weight: f64, strength: f64, displacement: S) -> f64 {
+        if self.wire.exponent == 0.0 {
+            return if strength == 0.0 { 0.0 } else { weight };
+        }
+        self.weight_of_size(weight, strength, displacement.length())
+    }
+
+    /// The same for a displacement of that length.
+    #[inline]
+    pub(super) fn weight_of_size(&self, weight: f64, strength: f64, size: f64) -> f64 {
         if strength == 0.0 || weight == 0.0 {
             return 0.0;
         }
-        if self.wire.exponent == 0.0 {
-            return weight;
-        }
-        let size = displacement.length();
         if self.wire.exponent < 0.0 && size == 0.0 {
             return f64::INFINITY;
         }
