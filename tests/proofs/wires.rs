@@ -260,6 +260,14 @@ fn a2_each_sampling_has_its_error() {
             .zip(&exact)
             .map(|(p, q)| p.distance(*q))
             .fold(0.0, f64::max);
+        // What the fine quadrature itself errs by.
+        let half = build(Sampling::Uniform(30_000));
+        let own = points
+            .iter()
+            .zip(&exact)
+            .map(|(&p, q)| at(&half, p).distance(*q));
+        let own = 2.0 * own.fold(0.0, f64::max);
+        assert!(own < 1e-4 * largest);
         let error = |sampling| {
             let warp = build(sampling);
             let off = points
@@ -271,7 +279,7 @@ fn a2_each_sampling_has_its_error() {
         for tolerance in [1e-2, 1e-4, 1e-6] {
             let off = error(Sampling::Adaptive(tolerance));
             assert!(
-                off <= tolerance * largest,
+                off <= tolerance * largest + own,
                 "round {round}: {off:e} of {largest} at {tolerance:e}"
             );
         }
@@ -301,6 +309,35 @@ fn a2_each_sampling_has_its_error() {
         assert!((3.7..4.3).contains(&ratio), "{n}: {ratio}");
     }
     assert!(at(&warp(Sampling::GaussLegendre(40)), p).distance(exact) < 1e-9);
+}
+
+#[test]
+fn a2_adaptive_nodes_bind_and_serve_other_targets() {
+    use anamorph_core::{Binding, evaluate_points};
+    let mut random = Random::new(3);
+    let points: Vec<Plane> = (0..200).map(|_| random.vector::<Plane>() * 1.5).collect();
+    let build = |target: f64, sampling| {
+        let mut wires = hard(1);
+        let points = [dvec2(-1.2, target), dvec2(0.2, 0.9), dvec2(1.3, 0.6)];
+        wires[0].target = bezier(&points);
+        ContinuousWires::construct(wires, sampling, None).unwrap()
+    };
+    let first = build(0.4, Sampling::Adaptive(1e-6));
+    let binding = Binding::new(&first, &points);
+    let (mut bound, mut direct) = (points.clone(), points.clone());
+    assert!(binding.map_points(&first, 0, &mut bound).is_empty());
+    evaluate_points(&first, 0, &mut direct);
+    assert_eq!(bound, direct);
+    // Another target by the same nodes: no longer to the tolerance, but near.
+    let other = build(0.1, Sampling::Adaptive(1e-6));
+    let mut bound = points.clone();
+    binding.map_points(&other, 0, &mut bound);
+    let fine = build(0.1, Sampling::Uniform(20_000));
+    let off = points
+        .iter()
+        .zip(&bound)
+        .map(|(&p, q)| at(&fine, p).distance(*q));
+    assert!(off.fold(0.0, f64::max) < 1e-3);
 }
 
 /// The same curve with another parameter: `v` becomes `v²`-like.
