@@ -12,7 +12,7 @@
 //! *Source*: F. Lazarus, S. Coquillart, P. Jancène, *Axial deformations: an intuitive deformation technique*, Computer-Aided
 //! Design 26(8), 1994; Milliron et al. 2002, §4.4 (displacement scaling).
 
-use super::rail::{Rail, Station};
+use super::rail::{Rail, Station, across, along};
 use super::wire::WireCurve;
 use super::{WireError, polyline};
 use crate::lattices::one;
@@ -230,10 +230,10 @@ fn kernel<V: Simd, S: Space>(_: V, line: &Line<'_, S>, points: &mut [S]) {
         for axis in 0..S::DIM {
             from[axis] = point.component(axis) - line.origin[axis];
         }
-        let along = |e: &[f64; 3]| e[0] * from[0] + e[1] * from[1] + e[2] * from[2];
-        let z = along(&line.frame[0]);
+        let part = |e: &[f64; 3]| e[0] * from[0] + e[1] * from[1] + e[2] * from[2];
+        let z = part(&line.frame[0]);
         let at = limited(z, line.length);
-        let local = [z - at, along(&line.frame[1]), along(&line.frame[2])];
+        let local = [z - at, part(&line.frame[1]), part(&line.frame[2])];
         let strength = match line.reach {
             None => 1.0,
             Some(reach) => {
@@ -244,11 +244,17 @@ fn kernel<V: Simd, S: Space>(_: V, line: &Line<'_, S>, points: &mut [S]) {
         if strength == 0.0 {
             continue;
         }
-        let n = line.target.numbers(at * line.per_length);
+        let (piece, t) = line.target.piece(at * line.per_length);
+        let n = across(piece, t);
         let mut moved = [0.0; 3];
         for axis in 0..3 {
-            moved[axis] =
-                n[axis] + local[0] * n[3 + axis] + local[1] * n[6 + axis] + local[2] * n[9 + axis];
+            moved[axis] = n[axis] + local[1] * n[3 + axis] + local[2] * n[6 + axis];
+        }
+        if local[0] != 0.0 {
+            let beyond = along(piece, t);
+            for axis in 0..3 {
+                moved[axis] += local[0] * beyond[axis];
+            }
         }
         let here = *point;
         *point = if strength == 1.0 {

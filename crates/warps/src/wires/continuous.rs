@@ -87,14 +87,64 @@ pub struct ContinuousWires<S: Space> {
     bounds: Bounds<S>,
 }
 
-/// Panels of a source for adaptive sampling: within smooth pieces, and shorter than half the least radius, so that no reach hides
-/// between nodes.
+/// Between two rotation vectors farther apart than this there may be a jump.
+const JUMP: f64 = 1.0;
+
+/// The parameters at which a wire's transformation is not smooth: breaks of its source and its target, and where the smallest rotation
+/// changes its sense, because the target's direction passes the opposite of the source's. A jump just beside the outermost node of a
+/// panel would not be seen.
+fn joints<S: Rotational>(wire: &Prepared<S>) -> Vec<f64> {
+    let (source, target) = (&wire.source, &wire.target);
+    let mut joints = source.curve.breaks();
+    if wire.wire.crimp.is_none() {
+        let shares = target.curve.breaks().into_iter().map(|v| target.share(v));
+        joints.extend(shares.map(|share| source.parameter(share)));
+    }
+    let apart = |from: f64, to: f64| {
+        let (a, b) = (wire.local(from).turn, wire.local(to).turn);
+        if S::DIM == 2 {
+            (a.angle - b.angle).abs()
+        } else {
+            (a.axis * a.angle).distance(b.axis * b.angle)
+        }
+    };
+    for pair in source.samples.windows(2) {
+        let (mut low, mut high) = (pair[0].0, pair[1].0);
+        if apart(low, high) < JUMP {
+            continue;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if apart(low, middle) >= apart(middle, high) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        if apart(low, high) >= JUMP {
+            joints.push(high);
+        }
+    }
+    let (start, end) = source.domain;
+    joints.retain(|v| *v >= start && *v <= end);
+    joints.sort_by(f64::total_cmp);
+    joints.dedup();
+    joints
+}
+
+/// Panels of a source for adaptive sampling: between joints, and shorter than half the least radius, so that no reach hides between
+/// nodes.
 fn panels<S: Rotational>(wire: &Prepared<S>) -> Vec<Part<S>> {
     let source = &wire.source;
     let longest = 0.5 * wire.wire.radius.range().0;
+    let joints = joints(wire);
+    let mut ends: Vec<f64> = source.samples.iter().map(|(at, _)| *at).collect();
+    ends.extend_from_slice(&joints);
+    ends.sort_by(f64::total_cmp);
+    ends.dedup();
     let mut parts = Vec::new();
-    for pair in source.samples.windows(2) {
-        let mut stack = vec![(pair[0].0, pair[1].0, 0_u32)];
+    for pair in ends.windows(2) {
+        let mut stack = vec![(pair[0], pair[1], 0_u32)];
         while let Some((from, to, depth)) = stack.pop() {
             let (length, middle) = (source.step_length(from, to), 0.5 * (from + to));
             if length > longest && depth < HALVINGS && middle > from && middle < to {
@@ -112,12 +162,16 @@ fn panels<S: Rotational>(wire: &Prepared<S>) -> Vec<Part<S>> {
             }
         }
     }
-    merged(source, parts, longest)
+    merged(source, parts, longest, &joints)
 }
 
-/// Neighbouring panels of one smooth piece as one, as long as it is short enough.
-fn merged<S: Rotational>(source: &Tangents<S>, parts: Vec<Part<S>>, longest: f64) -> Vec<Part<S>> {
-    let breaks = source.curve.breaks();
+/// Neighbouring panels without a joint between them as one, as long as it is short enough.
+fn merged<S: Rotational>(
+    source: &Tangents<S>,
+    parts: Vec<Part<S>>,
+    longest: f64,
+    breaks: &[f64],
+) -> Vec<Part<S>> {
     let mut out: Vec<Part<S>> = Vec::new();
     for part in parts {
         if let Some(last) = out.last_mut()
@@ -286,6 +340,10 @@ impl<S: Rotational> Deformation<S> for ContinuousWires<S> {
             let mut class = spec.falloff.smoothness().min(Smoothness::C(1));
             if spec.exponent != 0.0 || spec.domain.is_some() {
                 // The average has a corner where all displacements vanish.
+                class = class.min(Smoothness::C(0));
+            }
+            if self.wires.iter().any(|w| w.wire.locality != spec.locality) {
+                // Weights that end at different rates leave a corner where the last of them ends.
                 class = class.min(Smoothness::C(0));
             }
             if !fades {

@@ -24,8 +24,11 @@ const NUMBERS: usize = 12;
 /// The fewest and the most pieces.
 const PIECES: (usize, usize) = (16, 4096);
 
+/// Where the direction along begins: behind the others, because a kernel needs it beyond the ends only.
+const ALONG: usize = 9;
+
 /// Coefficients of a piece by the share of it that lies before: of `1`, `t`, `t²`, `t³`.
-type Piece = [[f64; NUMBERS]; 4];
+pub(super) type Piece = [[f64; NUMBERS]; 4];
 
 /// Stations along a curve, tabled.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,8 +42,9 @@ fn flat<S: Space>(station: &Station<S>) -> [f64; NUMBERS] {
     let mut numbers = [0.0; NUMBERS];
     for axis in 0..S::DIM {
         numbers[axis] = station.point.component(axis);
-        for column in 0..S::DIM {
-            numbers[3 + 3 * column + axis] = station.frame.entry(axis, column);
+        numbers[ALONG + axis] = station.frame.entry(axis, 0);
+        for column in 1..S::DIM {
+            numbers[3 * column + axis] = station.frame.entry(axis, column);
         }
     }
     numbers
@@ -74,12 +78,20 @@ impl<S: Space> Rail<S> {
             for (i, piece) in pieces.iter().enumerate() {
                 for quarter in 1..4 {
                     let exact = at(4 * i + quarter, 4 * count);
-                    let found = value(piece, 0.25 * quarter as f64);
+                    let found: [f64; NUMBERS] = value(piece, 0, 0.25 * quarter as f64);
                     for (n, (f, e)) in found.iter().zip(exact).enumerate() {
                         let unit = if n < 3 { extent } else { 1.0 };
-                        error = error.max((f - e).abs() / unit);
+                        let off = (f - e).abs() / unit;
+                        error = if off > error || off.is_nan() {
+                            off
+                        } else {
+                            error
+                        };
                     }
                 }
+            }
+            if !error.is_finite() || pieces.iter().flatten().flatten().any(|c| !c.is_finite()) {
+                return Err(WireError::NotFinite { feature: 0, which });
             }
             if error <= wanted || 2 * count > PIECES.1 {
                 return Ok(Self {
@@ -104,23 +116,28 @@ impl<S: Space> Rail<S> {
         self.pieces.len()
     }
 
-    /// Point and directions at a share from 0 to 1, as twelve numbers.
+    /// The piece of a share from 0 to 1, and the share of the piece that lies before.
     #[inline(always)]
-    pub(super) fn numbers(&self, share: f64) -> [f64; NUMBERS] {
+    pub(super) fn piece(&self, share: f64) -> (&Piece, f64) {
         let scaled = share * self.pieces.len() as f64;
         // A NaN becomes 0, what is too large the last piece.
         let index = (scaled as usize).min(self.pieces.len() - 1);
-        value(&self.pieces[index], scaled - index as f64)
+        (&self.pieces[index], scaled - index as f64)
     }
 
     /// The station at a share of the curve, which is brought to 0 to 1.
     #[must_use]
     pub fn station(&self, share: f64) -> Station<S> {
-        let numbers = self.numbers(if share > 0.0 { share.min(1.0) } else { 0.0 });
+        let (piece, t) = self.piece(if share > 0.0 { share.min(1.0) } else { 0.0 });
+        let across = across(piece, t);
+        let along = along(piece, t);
         Station {
-            point: S::from_fn(|axis| numbers[axis]),
+            point: S::from_fn(|axis| across[axis]),
             frame: S::Linear::from_columns(|column| {
-                S::from_fn(|axis| numbers[3 + 3 * column + axis])
+                S::from_fn(|axis| match column {
+                    0 => along[axis],
+                    column => across[3 * column + axis],
+                })
             }),
         }
     }
@@ -137,13 +154,27 @@ fn extent(knots: &[[f64; NUMBERS]]) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// `N` numbers of a piece from the one with number `first` on.
 #[inline(always)]
-fn value(piece: &Piece, t: f64) -> [f64; NUMBERS] {
-    let mut numbers = [0.0; NUMBERS];
+fn value<const N: usize>(piece: &Piece, first: usize, t: f64) -> [f64; N] {
+    let mut numbers = [0.0; N];
     for (n, number) in numbers.iter_mut().enumerate() {
+        let n = first + n;
         *number = piece[0][n] + t * (piece[1][n] + t * (piece[2][n] + t * piece[3][n]));
     }
     numbers
+}
+
+/// Point and directions across at a place of a piece.
+#[inline(always)]
+pub(super) fn across(piece: &Piece, t: f64) -> [f64; 9] {
+    value(piece, 0, t)
+}
+
+/// The direction along at a place of a piece.
+#[inline(always)]
+pub(super) fn along(piece: &Piece, t: f64) -> [f64; 3] {
+    value(piece, ALONG, t)
 }
 
 /// Weights of five neighbouring knots, twelfths of a step, for the slope at the first to the last of them.
