@@ -4,9 +4,10 @@
 
 use anamorph_catalog::Value;
 use anamorph_core::{
-    Affine, Average, Deformation, Plane, Scaling, Solid, Space, Term, Terms, Transformation,
-    glam::dvec3,
+    Affine, Average, Deformation, Plane, Sampling, Scaling, Solid, Space, Term, Terms,
+    Transformation, glam::dvec3,
 };
+use anamorph_curves::{Bezier, Indexed};
 use anamorph_features::{ElementPair, Frame, FramePair};
 use anamorph_fields::falloffs::Wires;
 use anamorph_fields::{AxisRange, Limit};
@@ -19,6 +20,8 @@ use anamorph_warps::lattices::bspline::{BsplineLattice, Knots};
 use anamorph_warps::lattices::{Grid, frames::FrameLattice};
 use anamorph_warps::lines::{WeightConstants, global, local};
 use anamorph_warps::meshes::{MeshWarp, Reaches, Uncovered};
+use anamorph_warps::wires::{Along, ContinuousWires, Wire};
+use std::sync::Arc;
 
 fn scaling(method: &Value) -> Scaling {
     match method.as_str().unwrap() {
@@ -248,6 +251,20 @@ fn mesh(case: &Case) -> usize {
     case.check(&warp.unwrap())
 }
 
+fn wires<S: Rotational>(case: &Case) -> Vec<Wire<S>> {
+    let list = case.params["wires"].as_array().unwrap();
+    let curve = |value: &Value| {
+        let points: Vec<S> = rows(value).iter().map(|row| point(row)).collect();
+        Arc::new(Indexed::new(Box::new(Bezier::new(points).unwrap())))
+    };
+    let wires = list.iter().map(|wire| Wire {
+        scale: Along::constant(number(&wire["x"])),
+        exponent: number(&wire["m"]),
+        ..Wire::new(curve(&wire["C"]), curve(&wire["Cs"]), number(&wire["r"]))
+    });
+    wires.collect()
+}
+
 fn run<S: Rotational>(case: &Case) -> usize {
     match case.op.as_str() {
         "framework.evaluate" => case.check(&terms::<S>(&case.params, 1.0, 1.0)),
@@ -263,6 +280,17 @@ fn run<S: Rotational>(case: &Case) -> usize {
         "vortex" => vortex(case),
         "feature_lines.beier_neely" => lines(case),
         "mesh_warp" => mesh(case),
+        "wires.wires" => {
+            let warp = anamorph_warps::wires::Wires::construct(wires::<S>(case), None);
+            case.check(&warp.unwrap())
+        }
+        "wires.continuous_wires" => {
+            let uniform =
+                ContinuousWires::construct(wires::<S>(case), Sampling::Uniform(20_000), None);
+            let adaptive =
+                ContinuousWires::construct(wires::<S>(case), Sampling::Adaptive(1e-8), None);
+            case.check(&adaptive.unwrap()) + case.check(&uniform.unwrap())
+        }
         other => panic!("{}: no test computes {other}", case.id),
     }
 }

@@ -7,3 +7,4 @@ mod features;
 mod framework;
 mod lattices;
 mod lines;
+mod wires;

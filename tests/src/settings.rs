@@ -90,6 +90,7 @@ pub fn settings<S: Registered>() -> Vec<Setting> {
     axes(&mut list);
     lines(&mut list);
     meshes(&mut list);
+    curves(&mut list);
     list.all
 }
 
@@ -421,6 +422,81 @@ fn lines<S: Registered>(list: &mut List<S>) {
     }
 }
 
+fn curves<S: Registered>(list: &mut List<S>) {
+    let first = r#"{ source = { kind = "bezier", points = [«"10%";"20%";"40%"», «"20%";"90%";"50%"», «"70%";"-10%";"60%"», «"90%";"80%";"50%"»] },
+        target = { points = [«"0%";"50%";"40%"», «"60%";"60%";"80%"», «"110%";"30%";"50%"»] }"#;
+    let second = r#"{ source = { kind = "b-spline", degree = 1, closed = true, points = [«"30%";"30%";"30%"», «"80%";"40%";"70%"», «"50%";"80%";"50%"»] },
+        by = «"10%";"-5%";"3%"», scale = [[0, 1], [0.5, 1.7], [1, 1]]"#;
+    let holds = r#"anchor = [{ curve = { points = [«"0%";"0%";"0%"», «"40%";"50%";"50%"»] }, radius = "12%" }]"#;
+    let wires = |m1: f64, m2: f64| {
+        format!(
+            "wire = [{first}, radius = \"35%\", exponent = {m1} }}, {second}, radius = [[0, \"15%\"], [1, \"30%\"]], \
+             exponent = {m2}, locality = 1.5 }}]\n{holds}\n"
+        )
+    };
+    for (m1, m2) in [(1.0, 1.0), (0.0, 2.0), (-1.0, 0.5)] {
+        list.add("wires", &[None], &wires(m1, m2));
+        if S::DIM == 3 {
+            let wires = wires(m1, m2);
+            list.add(
+                "depth-wires",
+                &[None],
+                &format!("view = [1, 2, 2]\n{wires}"),
+            );
+        }
+    }
+    // Where exponents differ a weight can fall below another's within less than any step of a measurement; where they are
+    // negative it is a quotient by what rounding leaves.
+    for (m, sampling) in [
+        (1.0, "\"nearest\""),
+        (1.0, "{ uniform = 24 }"),
+        (0.0, "{ uniform = 40 }"),
+        (2.0, "{ gauss-legendre = 12 }"),
+    ] {
+        let text = format!("{}sampling = {sampling}", wires(m, m));
+        list.add("continuous-wires", &[None], &text);
+        if S::DIM == 3 && m == 0.0 {
+            list.add("depth-wires", &[None], &format!("view = \"y\"\n{text}"));
+        }
+    }
+    // A wire whose directions are opposite, with a domain curve and a crimp; and one that stays.
+    list.add(
+        "wires",
+        &[None],
+        r#"radius = "40%"
+        [[wire]]
+        source = { kind = "general-bezier", points = [«"20%";"50%";"50%"», «"80%";"50%";"50%"»] }
+        target = { kind = "general-bezier", points = [«"80%";"50%";"50%"», «"20%";"50%";"50%"»] }
+        domain = { points = [«"20%";"90%";"50%"», «"80%";"70%";"50%"»] }
+        crimp = [[0, 0], [0.5, 0.2], [1, 1]]
+        [[wire]]
+        source = { points = [«"50%";"0%";"50%"», «"50%";"100%";"40%"»] }"#,
+    );
+    let curve = r#"target = { points = [«"10%";"20%";"40%"», «"40%";"70%";"20%"», «"90%";"60%";"80%"», «"120%";"120%";"50%"»] }"#;
+    let across = "~across = [1, 0, 0]\ntwist = [[0, \"0deg\"], [1, \"200deg\"]]\n~";
+    for (reach, falloff) in [
+        ("", ""),
+        ("reach = [\"10%\", \"40%\"]\n", ""),
+        ("reach = [0, \"30%\"]\n", "falloff = \"smootherstep\"\n"),
+    ] {
+        list.add(
+            "axial-curve",
+            &BOTH,
+            &format!("{reach}{falloff}axis = «1;2;2»\ncentre = «\"45%\";\"50%\";\"60%\"»\n{across}scale = [[0, 1], [1, 0.5]]\n{curve}"),
+        );
+        list.add(
+            "axial-curve",
+            &[None],
+            &format!("{reach}{falloff}axis = \"-y\"\nrange = [\"20%\", \"75%\"]\nlength = \"keep\"\n{curve}"),
+        );
+        list.add(
+            "axial-curve",
+            &[None],
+            &format!("{reach}{falloff}source = {{ points = [«\"0%\";\"40%\";\"50%\"», «\"50%\";\"60%\";\"40%\"», «\"100%\";\"50%\";\"60%\"»] }}\n{curve}"),
+        );
+    }
+}
+
 /// Pairs of settings with the same source and other targets: a binding of the first serves the second.
 pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
     let pairs: &[(&'static str, &str, &str, &str)] = &[
@@ -478,6 +554,26 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
             "points = [\"20%\", \"60%\", «\"80%\";\"30%\";\"50%\"»]\nedges = [[0, 1], [1, 2]]\n",
             "move = [{ index = 1, by = \"9%\" }]",
             "move = [{ index = 0, by = \"-9%\" }, { index = 2, to = \"50%\" }]",
+        ),
+        (
+            "wires",
+            "radius = \"40%\"\nlocality = 1\n",
+            "wire = [{ source = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }, by = \"9%\" }]",
+            "wire = [{ source = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }, scale = 2, exponent = 2, \
+             target = { points = [«\"90%\";\"30%\";\"50%\"», «\"30%\";\"60%\";\"70%\"», «\"0%\";\"60%\";\"70%\"»] } }]",
+        ),
+        (
+            "continuous-wires",
+            "radius = \"40%\"\nsampling = { uniform = 30 }\n",
+            "wire = [{ source = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }, by = \"9%\" }]",
+            "wire = [{ source = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }, scale = 2, exponent = 2, \
+             target = { points = [«\"90%\";\"30%\";\"50%\"», «\"30%\";\"60%\";\"70%\"», «\"0%\";\"60%\";\"70%\"»] } }]",
+        ),
+        (
+            "axial-curve",
+            "axis = «1;2;2»\nreach = [\"10%\", \"50%\"]\n",
+            "target = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }",
+            "target = { points = [«\"20%\";\"90%\";\"50%\"», «\"80%\";\"60%\";\"40%\"», \"10%\"] }\nscale = 0.5",
         ),
         (
             "axial",

@@ -88,4 +88,11 @@ pub trait NearestPoint<S: Space>: Curve<S> {
     /// The place nearest to a point. Of places equally near, to 1e-12 of the curve's size, that of the least parameter
     /// (errata F10).
     fn nearest(&self, to: S) -> Nearest<S>;
+
+    /// The same if it is no farther than `reach`. Prepared curves answer at once for points that are far from all of the
+    /// curve.
+    fn nearest_within(&self, to: S, reach: f64) -> Option<Nearest<S>> {
+        let nearest = self.nearest(to);
+        (nearest.distance <= reach).then_some(nearest)
+    }
 }

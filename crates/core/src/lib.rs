@@ -11,6 +11,7 @@
 //! - [`Deformation`]: moves sites. [`Warp`]: a deformation with terms; [`Terms`]: a warp given by its terms.
 //! - [`Stack`], [`Masked`], [`Modulated`]: deformations made of deformations.
 //! - [`Curve`], [`Differentiable`], [`NearestPoint`]: what warps and motions know of a curve.
+//! - [`Sampling`]: how integrals over continuous features become sums.
 //! - [`Binding`]: fields evaluated once and kept. [`guarantees`]: what is promised. [`reference`](mod@reference): the
 //!   literal formula.
 //!
@@ -41,6 +42,7 @@ mod marks;
 pub mod math;
 mod model;
 pub mod reference;
+pub mod sampling;
 mod schedule;
 #[cfg(feature = "simd")]
 pub mod simd;
@@ -63,6 +65,7 @@ pub use field::{Domain, Field, Smoothness, Support};
 pub use inverse::{Inverse, Inversion};
 pub use marks::{Mark, Role, Shape};
 pub use model::{Bounds, Site};
+pub use sampling::Sampling;
 pub use schedule::Scheduled;
 pub use space::{Linear, Plane, Solid, Space};
 pub use surface::{carry_normal, carry_tangent, vertex_normals};

@@ -49,6 +49,7 @@ mod curvature;
 pub mod eases;
 mod error;
 pub mod families;
+mod indexed;
 pub mod motion;
 mod nearest;
 pub mod orientation;
@@ -61,5 +62,7 @@ pub use bezier::{Bezier, Pieces, PiecewiseBezier};
 pub use bounds::TightBounds;
 pub use curvature::{Curvature, SignedCurvature, Torsion};
 pub use error::CurveError;
+pub use indexed::Indexed;
+
 pub use nearest::NearestTable;
 pub use piecewise::{Cubic, PiecewiseCubic};

@@ -141,10 +141,24 @@ impl<S: Space> NearestTable<S> {
     /// The place nearest to a point; of places equally near, to 1e-12 of the curve's size, that of the least parameter.
     #[must_use]
     pub fn nearest(&self, to: S) -> Nearest<S> {
-        let mut best = self.found(0, 0.0, to);
         if !to.is_finite() {
-            return best;
+            return self.found(0, 0.0, to);
         }
+        self.search(to)
+    }
+
+    /// The same if it is no farther than `reach`; far from the curve's box that costs one comparison.
+    #[must_use]
+    pub fn nearest_within(&self, to: S, reach: f64) -> Option<Nearest<S>> {
+        if !to.is_finite() || self.nodes[self.root].distance(to) > reach {
+            return None;
+        }
+        let nearest = self.search(to);
+        (nearest.distance <= reach).then_some(nearest)
+    }
+
+    fn search(&self, to: S) -> Nearest<S> {
+        let mut best = self.found(0, 0.0, to);
         let tie = TIE * self.size;
         let consider = |candidate: Nearest<S>, best: &mut Nearest<S>| {
             let nearer = candidate.distance < best.distance - tie;

@@ -5,6 +5,7 @@
 //! - [`lattices`]: free-form deformation with Bernstein polynomials, B-splines, and lattices of frames.
 //! - [`cages`]: control points and frames as wires that a modeller edits.
 //! - [`barr`]: taper, twist, bend and the generalized deformation along an axis.
+//! - [`wires`]: curves that are bent, and the model near them follows; axes that bend.
 //!
 //! Each warp is built by a `construct` function that checks its parameters and returns a typed error, and is a
 //! [`Warp`](anamorph_core::Warp): it can be evaluated, bound, masked, stacked and reported on. With the feature `recipe`
@@ -32,3 +33,4 @@ pub mod lines;
 pub mod meshes;
 #[cfg(feature = "recipe")]
 pub mod registry;
+pub mod wires;

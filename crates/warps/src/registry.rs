@@ -4,10 +4,11 @@
 //!
 //! *Source*: Milliron et al. 2002, §3–§6 for the order.
 
-use crate::{barr, features, lattices, lines, meshes};
+use crate::{barr, features, lattices, lines, meshes, wires};
 use anamorph_catalog::WarpEntry;
 use anamorph_core::{Plane, Solid};
 use anamorph_transforms::Rotational;
+use wires::axial_parameters::Framed;
 
 /// Warps that work in the plane and in space.
 fn both<S: Rotational>() -> Vec<WarpEntry<S>> {
@@ -34,21 +35,32 @@ fn plane_only() -> Vec<WarpEntry<Plane>> {
     ]
 }
 
+/// Warps by curves, in the plane and in space.
+fn by_curves<S: Framed>() -> Vec<WarpEntry<S>> {
+    vec![
+        wires::parameters::wires(),
+        wires::parameters::continuous(),
+        wires::axial_parameters::axial_curve(),
+    ]
+}
+
 /// Warps of space alone.
 fn solid_only() -> Vec<WarpEntry<Solid>> {
-    vec![barr::parameters::twist()]
+    vec![barr::parameters::twist(), wires::parameters::depth()]
 }
 
 /// The warps of the plane.
 pub fn plane() -> Vec<WarpEntry<Plane>> {
     let mut all = both();
     all.extend(plane_only());
+    all.extend(by_curves());
     all
 }
 
 /// The warps of space.
 pub fn solid() -> Vec<WarpEntry<Solid>> {
     let mut all = both();
+    all.extend(by_curves());
     all.extend(solid_only());
     all
 }

@@ -79,7 +79,7 @@ pub const HOUSE: &[Row] = &[
             Free("features"),
             Free("fields"),
             Free("transforms"),
-            Free("curves"),
+            Optional("curves"),
         ],
     ),
     row(

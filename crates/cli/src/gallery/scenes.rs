@@ -96,6 +96,9 @@ pub(super) static PARTS: &[Part] = &[
             scene!("twist", SPOT, BackQuarter),
             scene!("bend", TEAPOT, Front),
             scene!("axial", TEAPOT, ThreeQuarter),
+            scene!("wires", SPOT, BackQuarter),
+            scene!("axial-curve", TEAPOT, ThreeQuarter),
+            scene!("depth-wires", SPOT, Right),
         ],
     },
     Part {
@@ -105,6 +108,7 @@ pub(super) static PARTS: &[Part] = &[
             scene!("frame-lattice", SPOT, BackQuarter),
             scene!("global-lines", GRID, Front),
             scene!("mesh", SPOT, BackQuarter),
+            scene!("continuous-wires", GRID, Front),
         ],
     },
     Part {

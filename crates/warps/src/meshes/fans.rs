@@ -46,8 +46,9 @@ fn eigen<S: Space>(matrix: &S::Linear) -> ([f64; 3], [S; 3]) {
                 for row in &mut a {
                     (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
                 }
-                for k in 0..3 {
-                    (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
+                let (above, below) = a.split_at_mut(q);
+                for (x, y) in above[p].iter_mut().zip(&mut below[0]) {
+                    (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
                 }
                 (v[p], v[q]) = (v[p] * c - v[q] * s, v[p] * s + v[q] * c);
             }
