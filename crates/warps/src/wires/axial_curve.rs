@@ -227,8 +227,8 @@ struct Line<'a, S: Space> {
 fn kernel<V: Simd, S: Space>(_: V, line: &Line<'_, S>, points: &mut [S]) {
     for point in points {
         let mut from = [0.0; 3];
-        for axis in 0..S::DIM {
-            from[axis] = point.component(axis) - line.origin[axis];
+        for (axis, from) in from.iter_mut().enumerate().take(S::DIM) {
+            *from = point.component(axis) - line.origin[axis];
         }
         let part = |e: &[f64; 3]| e[0] * from[0] + e[1] * from[1] + e[2] * from[2];
         let z = part(&line.frame[0]);
@@ -320,7 +320,7 @@ impl<S: Space> Deformation<S> for AxialCurve<S> {
             };
             // A little more than the reach: the nearest place is found to rounding.
             let reach = reach.outer * (1.0 + 1e-12);
-            bounds.min = bounds.min - S::splat(reach);
+            bounds.min -= S::splat(reach);
             bounds.max += S::splat(reach);
             facts.support = Support::Box(bounds);
         }

@@ -252,7 +252,7 @@ impl<S: Rotational> ContinuousWires<S> {
         }
         let wires = prepared(wires, view)?;
         let bounds = super::support(&wires).ok_or(WireError::None)?;
-        let pointlike = wires.iter().position(|w| !(w.source.polygon > 0.0));
+        let pointlike = wires.iter().position(|w| w.source.polygon <= 0.0);
         if let Some(feature) = pointlike {
             return Err(WireError::NoLength {
                 feature,

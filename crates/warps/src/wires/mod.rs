@@ -115,10 +115,7 @@ fn prepared<S: Rotational>(
 
 /// A box around all that wires may move; `None` without wires.
 fn support<S: Rotational>(wires: &[Prepared<S>]) -> Option<Bounds<S>> {
-    wires
-        .iter()
-        .map(Prepared::support)
-        .reduce(|all, one| all.union(one))
+    wires.iter().map(Prepared::support).reduce(Bounds::union)
 }
 
 /// Places of a wire at which it states where it goes.

@@ -135,7 +135,7 @@ impl<S: Space> Tangents<S> {
         }
         // Half a step is as far as a curve gets from the nearer of its two samples; a tenth more for the quadrature.
         let margin = S::splat(0.55 * longest);
-        bounds.min = bounds.min - margin;
+        bounds.min -= margin;
         bounds.max += margin;
         bounds
     }

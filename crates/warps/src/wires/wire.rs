@@ -377,7 +377,7 @@ impl<S: Rotational> Prepared<S> {
     /// A box around all that the wire may move.
     pub(super) fn support(&self) -> Bounds<S> {
         let mut bounds = self.source.bounds();
-        bounds.min = bounds.min - S::splat(self.reach);
+        bounds.min -= S::splat(self.reach);
         bounds.max += S::splat(self.reach);
         bounds
     }
