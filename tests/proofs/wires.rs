@@ -645,7 +645,7 @@ fn upright(length: f64) -> Axis<Plane> {
 #[test]
 fn b16_an_axis_bent_into_a_circle_is_a_bend() {
     let length = 3.0;
-    let rail = Rail::new("target", &arc(length), 1e-10).unwrap();
+    let rail = Rail::new("target", &[], &arc(length), 1e-10).unwrap();
     let warp = AxialCurve::construct(upright(length), rail, None).unwrap();
     let mut random = Random::new(161);
     for _ in 0..500 {
@@ -679,7 +679,7 @@ fn b16_rigid_edits_of_the_axis_are_rigid() {
             frame: start,
             length,
         };
-        let rail = Rail::new("target", &station, 1e-12).unwrap();
+        let rail = Rail::new("target", &[], &station, 1e-12).unwrap();
         let reach = AxialReach {
             inner: 50.0,
             outer: 60.0,
@@ -732,11 +732,13 @@ fn b16_a_curved_axis_carries_its_frames() {
         frame: DMat3::from_cols(Solid::Y, Solid::Z, Solid::X),
     };
     let indexed = Indexed::new(curve.clone());
+    let breaks = curve.breaks().into_iter();
+    let shares: Vec<f64> = breaks.map(|v| (v - start) / (end - start)).collect();
     let axis = Axis::Curve {
         curve: Arc::new(indexed),
-        rail: Rail::new("source", &source, 1e-10).unwrap(),
+        rail: Rail::new("source", &shares, &source, 1e-10).unwrap(),
     };
-    let target = Rail::new("target", &straight, 1e-10).unwrap();
+    let target = Rail::new("target", &[], &straight, 1e-10).unwrap();
     let warp = AxialCurve::construct(axis, target, None).unwrap();
     let mut random = Random::new(163);
     for _ in 0..200 {

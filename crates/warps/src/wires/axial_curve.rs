@@ -333,10 +333,16 @@ impl<S: Space> Deformation<S> for AxialCurve<S> {
             facts = facts
                 .with_note("beyond the ends of the axis the model moves rigidly: C0 across them");
         }
+        if self.target.has_corners() {
+            facts.inside = Smoothness::Jump;
+            facts = facts.with_note(
+                "the target has a corner: what is off the axis tears there; take a family of smooth curves",
+            );
+        }
         facts.edge = facts.inside;
         if self.target.error() > 1e-6 {
             facts = facts.with_note(format!(
-                "the target has corners or is very long: its table errs by {:.1e} of its extent",
+                "the target bends so often that its table errs by {:.1e} of its extent",
                 self.target.error()
             ));
         }

@@ -305,7 +305,8 @@ impl AxialParameters {
                     let at = start * (1.0 - share) + end * share;
                     finished(share, path.point(at), frames(at))
                 };
-                return Rail::new("target", &station, TABLE).map_err(at_curve("target"));
+                let breaks = shares(&target);
+                return Rail::new("target", &breaks, &station, TABLE).map_err(at_curve("target"));
             }
         };
         let whole = path.length(1e-12);
@@ -326,7 +327,12 @@ impl AxialParameters {
             let beyond = (s - table.length()).max(0.0);
             finished(share, point + frame.column(0) * beyond, frame)
         };
-        Rail::new("target", &station, TABLE).map_err(at_curve("target"))
+        let breaks = path
+            .breaks()
+            .into_iter()
+            .map(|at| table.length_to(at) / span);
+        let breaks: Vec<f64> = breaks.collect();
+        Rail::new("target", &breaks, &station, TABLE).map_err(at_curve("target"))
     }
 
     fn reach<S: Space>(
@@ -361,6 +367,13 @@ impl AxialParameters {
             falloff,
         }))
     }
+}
+
+/// The breaks of a curve as shares of its domain.
+fn shares<S: Space>(curve: &RecipeCurve<S>) -> Vec<f64> {
+    let (start, end) = anamorph_core::Curve::domain(curve);
+    let breaks = curve.breaks().into_iter();
+    breaks.map(|at| (at - start) / (end - start)).collect()
 }
 
 fn curve_path<S: Space>(curve: &RecipeCurve<S>) -> Arc<dyn Path<S>> {
@@ -419,7 +432,9 @@ pub(crate) fn axial_curve<S: Framed>() -> WarpEntry<S> {
                         frame: frames(at),
                     }
                 };
-                let rail = Rail::new("source", &station, TABLE).map_err(at_curve("source"))?;
+                let breaks = shares(&curve);
+                let rail =
+                    Rail::new("source", &breaks, &station, TABLE).map_err(at_curve("source"))?;
                 CurveAxis::Curve {
                     curve: Arc::new(curve),
                     rail,

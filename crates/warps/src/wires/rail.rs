@@ -1,9 +1,10 @@
 //! Rails: points and frames along a curve, tabled once so that a kernel reads them in a few operations.
 //!
-//! A rail holds cubic Hermite pieces over equal shares of a curve: the point, the direction along and the directions across.
-//! Slopes at the knots are differences of fourth order, so that the whole is C¹ and errs by the fourth power of the step where
-//! the curve is smooth. Steps are halved until the error, measured at three places of every piece, is as asked for; where corners
-//! prevent that, the rail says what it reached ([`Rail::error`]), and a corner is rounded over a few of 4096 pieces.
+//! A rail holds cubic Hermite pieces: the point, the directions across and the direction along. Between two breaks of the curve
+//! pieces are even and their slopes are differences of fourth order within the same stretch, so that the whole is C¹ where the
+//! curve is smooth, and errs by the fourth power of the step. Steps are halved until the error, measured at three places of every
+//! piece, is as asked for; the rail says what it reached ([`Rail::error`]), and whether directions jump at a corner
+//! ([`Rail::has_corners`]).
 //!
 //! *Source*: C. de Boor, *A Practical Guide to Splines*, 1978, chapter IV (cubic Hermite interpolation); the table is a decision.
 
@@ -21,8 +22,15 @@ pub struct Station<S: Space> {
 
 /// Numbers of a station: the point and three directions.
 const NUMBERS: usize = 12;
-/// The fewest and the most pieces.
-const PIECES: (usize, usize) = (16, 4096);
+/// The fewest pieces of a stretch, for five knots, and the most of a rail.
+const PIECES: (usize, usize) = (4, 4096);
+/// Stretches at most; of curves with more breaks only so many are kept, evenly chosen.
+const MOST_STRETCHES: usize = 1024;
+/// How far before the end of a stretch, as a share of it, its direction is read twice to extrapolate it to the end, where the curve's own
+/// answer is that of the next stretch.
+const BEFORE: f64 = 1e-6;
+/// Directions that differ by more at a break make a corner.
+const CORNER: f64 = 1e-5;
 
 /// Where the direction along begins: behind the others, because a kernel needs it beyond the ends only.
 const ALONG: usize = 9;
@@ -30,11 +38,25 @@ const ALONG: usize = 9;
 /// Coefficients of a piece by the share of it that lies before: of `1`, `t`, `t²`, `t³`.
 pub(super) type Piece = [[f64; NUMBERS]; 4];
 
+/// Even pieces between two breaks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Stretch {
+    from: f64,
+    /// Pieces a unit of the share.
+    density: f64,
+    first: usize,
+    count: usize,
+}
+
 /// Stations along a curve, tabled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rail<S: Space> {
     pieces: Vec<Piece>,
+    stretches: Vec<Stretch>,
+    /// For even steps of the share: the stretch in which the step begins.
+    guide: Vec<u32>,
     error: f64,
+    corners: bool,
     space: core::marker::PhantomData<S>,
 }
 
@@ -52,56 +74,128 @@ fn flat<S: Space>(station: &Station<S>) -> [f64; NUMBERS] {
 
 impl<S: Space> Rail<S> {
     /// Tables the stations that a function gives for the shares 0 to 1 of a curve's length (or of its domain), to an error of `tolerance`:
-    /// of points as a share of their extent, of directions as it is.
+    /// of points as a share of their extent, of directions as it is. `breaks` are the shares between which stations are smooth,
+    /// ascending; 0 and 1 need not be among them.
     ///
     /// # Errors
     /// [`WireError::NotFinite`] when a station is not finite, [`WireError::NoLength`] when all points are the same.
     pub fn new(
         which: &'static str,
+        breaks: &[f64],
         station: &dyn Fn(f64) -> Station<S>,
         tolerance: f64,
     ) -> Result<Self, WireError> {
+        let lost = WireError::NotFinite { feature: 0, which };
         let wanted = if tolerance > 0.0 { tolerance } else { 0.0 };
-        let mut count = PIECES.0;
-        loop {
-            let at = |i: usize, of: usize| flat(&station(i as f64 / of as f64));
-            let knots: Vec<[f64; NUMBERS]> = (0..=count).map(|i| at(i, count)).collect();
-            if knots.iter().flatten().any(|n| !n.is_finite()) {
-                return Err(WireError::NotFinite { feature: 0, which });
+        let ends = ends(breaks);
+        let rough: Vec<_> = (0..=64)
+            .map(|i| flat(&station(f64::from(i) / 64.0)))
+            .collect();
+        if rough.iter().flatten().any(|n| !n.is_finite()) {
+            return Err(lost);
+        }
+        let extent = extent(&rough);
+        if extent == 0.0 {
+            return Err(WireError::NoLength { feature: 0, which });
+        }
+        let most = (PIECES.1 / (ends.len() - 1)).max(PIECES.0);
+        let mut rail = Self {
+            pieces: Vec::new(),
+            stretches: Vec::new(),
+            guide: Vec::new(),
+            error: 0.0,
+            corners: false,
+            space: core::marker::PhantomData,
+        };
+        let mut last: Option<[f64; NUMBERS]> = None;
+        for pair in ends.windows(2) {
+            let (from, width) = (pair[0], pair[1] - pair[0]);
+            // The end as seen from inside: the point itself, and directions extrapolated.
+            let end = {
+                let mut end = flat(&station(pair[1]));
+                let near = flat(&station(pair[1] - BEFORE * width));
+                let farther = flat(&station(pair[1] - 2.0 * BEFORE * width));
+                for n in 3..NUMBERS {
+                    end[n] = near[n] + (near[n] - farther[n]);
+                }
+                end
+            };
+            let at = |x: f64| {
+                if x >= 1.0 {
+                    end
+                } else {
+                    flat(&station(from + width * x))
+                }
+            };
+            let start = at(0.0);
+            if let Some(last) = last {
+                let apart = start[3..]
+                    .iter()
+                    .zip(&last[3..])
+                    .map(|(a, b)| (a - b).abs());
+                rail.corners |= apart.fold(0.0, f64::max) > CORNER;
             }
-            let extent = extent(&knots);
-            if extent == 0.0 {
-                return Err(WireError::NoLength { feature: 0, which });
-            }
-            let pieces = pieces(&knots);
-            let mut error = 0.0_f64;
-            for (i, piece) in pieces.iter().enumerate() {
-                for quarter in 1..4 {
-                    let exact = at(4 * i + quarter, 4 * count);
-                    let found: [f64; NUMBERS] = value(piece, 0, 0.25 * quarter as f64);
-                    for (n, (f, e)) in found.iter().zip(exact).enumerate() {
-                        let unit = if n < 3 { extent } else { 1.0 };
-                        let off = (f - e).abs() / unit;
-                        error = if off > error || off.is_nan() {
-                            off
-                        } else {
-                            error
-                        };
+            last = Some(end);
+            let mut count = PIECES.0;
+            let (pieces, error) = loop {
+                let knots: Vec<_> = (0..=count).map(|i| at(i as f64 / count as f64)).collect();
+                let pieces = pieces(&knots);
+                if pieces.iter().flatten().flatten().any(|n| !n.is_finite()) {
+                    return Err(lost);
+                }
+                let mut error = 0.0_f64;
+                for (i, piece) in pieces.iter().enumerate() {
+                    for quarter in 1..4 {
+                        let exact = at((4 * i + quarter) as f64 / (4 * count) as f64);
+                        let found: [f64; NUMBERS] = value(piece, 0, 0.25 * quarter as f64);
+                        for (n, (f, e)) in found.iter().zip(exact).enumerate() {
+                            let unit = if n < 3 { extent } else { 1.0 };
+                            let off = (f - e).abs() / unit;
+                            error = if off > error || off.is_nan() {
+                                off
+                            } else {
+                                error
+                            };
+                        }
                     }
                 }
-            }
-            if !error.is_finite() || pieces.iter().flatten().flatten().any(|c| !c.is_finite()) {
-                return Err(WireError::NotFinite { feature: 0, which });
-            }
-            if error <= wanted || 2 * count > PIECES.1 {
-                return Ok(Self {
-                    pieces,
-                    error,
-                    space: core::marker::PhantomData,
-                });
-            }
-            count *= 2;
+                if error.is_nan() {
+                    return Err(lost);
+                }
+                if error <= wanted || 2 * count > most {
+                    break (pieces, error);
+                }
+                count *= 2;
+            };
+            rail.error = rail.error.max(error);
+            rail.stretches.push(Stretch {
+                from,
+                density: count as f64 / width,
+                first: rail.pieces.len(),
+                count,
+            });
+            rail.pieces.extend(pieces);
         }
+        let steps = 4 * rail.stretches.len();
+        let mut stretch = 0;
+        for step in 0..steps {
+            let share = step as f64 / steps as f64;
+            while rail
+                .stretches
+                .get(stretch + 1)
+                .is_some_and(|s| s.from <= share)
+            {
+                stretch += 1;
+            }
+            rail.guide.push(u32::try_from(stretch).unwrap_or(0));
+        }
+        Ok(rail)
+    }
+
+    /// Whether directions jump somewhere inside.
+    #[must_use]
+    pub fn has_corners(&self) -> bool {
+        self.corners
     }
 
     /// The greatest error measured: of points as a share of their extent, of directions as it is.
@@ -119,10 +213,20 @@ impl<S: Space> Rail<S> {
     /// The piece of a share from 0 to 1, and the share of the piece that lies before.
     #[inline(always)]
     pub(super) fn piece(&self, share: f64) -> (&Piece, f64) {
-        let scaled = share * self.pieces.len() as f64;
-        // A NaN becomes 0, what is too large the last piece.
-        let index = (scaled as usize).min(self.pieces.len() - 1);
-        (&self.pieces[index], scaled - index as f64)
+        let mut stretch = &self.stretches[0];
+        if self.stretches.len() > 1 {
+            // A NaN becomes 0, what is too large the last step.
+            let step = ((share * self.guide.len() as f64) as usize).min(self.guide.len() - 1);
+            let mut index = self.guide[step] as usize;
+            stretch = &self.stretches[index];
+            while let Some(next) = self.stretches.get(index + 1).filter(|s| s.from <= share) {
+                index += 1;
+                stretch = next;
+            }
+        }
+        let scaled = (share - stretch.from) * stretch.density;
+        let index = (scaled as usize).min(stretch.count - 1);
+        (&self.pieces[stretch.first + index], scaled - index as f64)
     }
 
     /// The station at a share of the curve, which is brought to 0 to 1.
@@ -141,6 +245,23 @@ impl<S: Space> Rail<S> {
             }),
         }
     }
+}
+
+/// 0, the breaks strictly between, and 1.
+fn ends(breaks: &[f64]) -> Vec<f64> {
+    let mut inner: Vec<f64> = Vec::new();
+    for &at in breaks {
+        // Stretches narrower than this have no five knots that rounding tells apart.
+        let last = inner.last().copied().unwrap_or(0.0);
+        if at > last + 1e-6 && at < 1.0 - 1e-6 {
+            inner.push(at);
+        }
+    }
+    let skip = inner.len().div_ceil(MOST_STRETCHES - 1).max(1);
+    let mut ends = vec![0.0];
+    ends.extend(inner.into_iter().step_by(skip));
+    ends.push(1.0);
+    ends
 }
 
 /// The largest extent of the points along a coordinate axis.
@@ -228,7 +349,7 @@ mod tests {
     #[test]
     fn rails_are_as_good_as_asked_for_and_of_fourth_order() {
         for tolerance in [1e-4, 1e-7, 1e-10] {
-            let rail = Rail::new("target", &circle, tolerance).unwrap();
+            let rail = Rail::new("target", &[], &circle, tolerance).unwrap();
             assert!(rail.error() <= tolerance);
             for i in 0..=1000 {
                 let share = f64::from(i) / 1000.0;
@@ -237,7 +358,7 @@ mod tests {
                 assert!((a.frame.x_axis - b.frame.x_axis).length() <= 1.5 * tolerance);
             }
         }
-        let [coarse, fine] = [1e-5, 1e-9].map(|t| Rail::new("target", &circle, t).unwrap());
+        let [coarse, fine] = [1e-5, 1e-9].map(|t| Rail::new("target", &[], &circle, t).unwrap());
         let steps = fine.pieces() as f64 / coarse.pieces() as f64;
         let order = (coarse.error() / fine.error()).ln() / steps.ln();
         assert!((3.5..4.5).contains(&order), "{order}");
@@ -249,18 +370,30 @@ mod tests {
             point: DVec2::ONE,
             frame: DMat2::IDENTITY,
         };
-        let error = Rail::<Plane>::new("target", &still, 1e-9).unwrap_err();
+        let error = Rail::<Plane>::new("target", &[], &still, 1e-9).unwrap_err();
         assert!(matches!(error, WireError::NoLength { .. }));
         let lost = |share: f64| Station {
             point: DVec2::splat(1.0 / (share - 0.5)),
             frame: DMat2::IDENTITY,
         };
-        assert!(Rail::<Plane>::new("target", &lost, 1e-9).is_err());
-        let corner = |share: f64| Station {
-            point: DVec2::new(share, (share - 0.3).abs()),
-            frame: DMat2::IDENTITY,
+        assert!(Rail::<Plane>::new("target", &[], &lost, 1e-9).is_err());
+        let corner = |share: f64| {
+            let rising = share >= 0.3;
+            let along = DVec2::new(1.0, if rising { 1.0 } else { -1.0 }).normalize();
+            Station {
+                point: DVec2::new(share, (share - 0.3).abs()),
+                frame: DMat2::from_cols(along, along.perp()),
+            }
         };
-        let rail = Rail::<Plane>::new("target", &corner, 1e-9).unwrap();
-        assert!(rail.error() > 1e-9 && rail.error() < 1e-3 && rail.pieces() == 4096);
+        // Where the corner is known nothing is lost, where it is not, the rail says so.
+        let rail = Rail::<Plane>::new("target", &[0.3, 0.6], &corner, 1e-9).unwrap();
+        assert!(rail.error() <= 1e-9 && rail.has_corners() && rail.pieces() == 12);
+        for share in [0.0, 0.1, 0.299_999, 0.3, 0.45, 0.6, 0.61, 1.0] {
+            let (a, b) = (rail.station(share), corner(share));
+            assert!(a.point.distance(b.point) < 1e-9, "{share}");
+            assert!((a.frame.x_axis - b.frame.x_axis).length() < 1e-9, "{share}");
+        }
+        let rail = Rail::<Plane>::new("target", &[], &corner, 1e-9).unwrap();
+        assert!(rail.error() > 1e-9 && rail.pieces() == 4096);
     }
 }
