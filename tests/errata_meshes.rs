@@ -16,7 +16,7 @@ fn sheet(n: u32, height: f64) -> (Vec<Solid>, Vec<[u32; 2]>) {
     let step = 1.0 / f64::from(n - 1);
     let points = (0..n * n)
         .map(|i| {
-            let lift = if (i % n + i / n) % 2 == 0 {
+            let lift = if (i % n + i / n).is_multiple_of(2) {
                 height
             } else {
                 0.0
