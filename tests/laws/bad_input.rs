@@ -1,6 +1,6 @@
 //! Bad parameters of every registered warp: errors that say where, what, and how to mend; never a panic.
 
-use super::bad_rows::ROWS;
+use super::bad_rows::{ROWS, Row};
 use anamorph_catalog::serde_json::{Number, json};
 use anamorph_catalog::{ConstructError, Context, Value};
 use anamorph_core::{Bounds, Plane, Site, Solid, map_all};
