@@ -396,6 +396,32 @@ fn small_moves_of_a_cubic_spline_lattice_are_proved_safe_and_large_ones_are_not(
     assert!(found.witness.unwrap().value > 0.0);
     let large = lattice(1.4, true);
     assert_ne!(no_fold(&large, &points, 1.7).verdict, Verdict::Proved);
+    // Four clamped points a side are evenly spaced like uniform ones, and another basis: the theorem says nothing of it.
+    let clamped = |x: &str| {
+        let toml = format!(
+            "shape = [4, 4, 4]\ndegree = 3\nknots = \"clamped\"\nbox = {{ min = [0, 0, 0], max = [1, 1, 1] }}\nmove = [{x}]"
+        );
+        let setting = Setting {
+            kind: "spline-lattice",
+            toml,
+            scaling: None,
+            example: false,
+        };
+        Subject::<Solid>::new(setting, boxes()[0]).warp()
+    };
+    let mut edits = String::new();
+    for index in 0..64_i32 {
+        let (i, j, k) = (index / 16, index / 4 % 4, index % 4);
+        let by = if (i + j + k) % 2 == 1 { -0.13 } else { 0.13 };
+        edits.push_str(&format!(
+            "{{ index = [{i}, {j}, {k}], by = [{by}, {by}, {by}] }},"
+        ));
+    }
+    let facts = clamped(&edits).facts();
+    assert!(facts.upright().is_none_or(|why| !why.contains("Choi")));
+    let corner = [Solid::ZERO, Solid::splat(0.01), Solid::splat(0.02)];
+    let found = no_fold(&clamped(&edits), &corner, 1.7);
+    assert_eq!(found.verdict, Verdict::Refuted, "{}", found.statement);
 }
 
 /// A lattice whose middle planes change places.

@@ -3,8 +3,7 @@
 //! *Source*: G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002; *Interpolation Techniques*, chapter 2, "Cubic Bézier", with the matrix of errata C1; curves of any degree are
 //! [`Bezier`](crate::Bezier).
 
-use super::{Generator, through};
-use crate::error::enough;
+use super::{Generator, in_threes, through};
 use crate::{Cubic, CurveError, PiecewiseCubic};
 use anamorph_core::Space;
 
@@ -21,23 +20,8 @@ pub struct CubicBezier<S> {
 impl<S: Space> Generator<S> for CubicBezier<S> {
     fn curve(&self) -> Result<PiecewiseCubic<S>, CurveError> {
         let points = &self.points;
-        let (needed, rest, in_words) = if self.closed {
-            (3, 0, "3, 6, 9, …")
-        } else {
-            (4, 1, "4, 7, 10, …")
-        };
-        enough("a chain of cubic Bézier curves", needed, points)?;
-        if points.len() % 3 != rest {
-            return Err(CurveError::WrongCount {
-                what: "a chain of cubic Bézier curves",
-                needed: in_words,
-                found: points.len(),
-            });
-        }
-        let n = points.len();
-        let spans = (0..n - rest)
-            .step_by(3)
-            .map(|i| Cubic::from_bezier(core::array::from_fn(|k| points[(i + k) % n])));
+        let fours = in_threes("a chain of cubic Bézier curves", points, self.closed)?;
+        let spans = fours.map(Cubic::from_bezier);
         through(points, spans.collect(), None, self.closed)
     }
 }

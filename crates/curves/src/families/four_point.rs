@@ -3,8 +3,7 @@
 //! *Source*: G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002; *Interpolation Techniques*, chapter 2, "4-point form". The points are passed at `x = 0, 1/3, 2/3, 1` of the
 //! span; neighbouring spans share an end point and meet without a common tangent.
 
-use super::{Generator, through};
-use crate::error::enough;
+use super::{Generator, in_threes, through};
 use crate::{Cubic, CurveError, PiecewiseCubic};
 use anamorph_core::Space;
 
@@ -20,22 +19,8 @@ pub struct FourPoint<S> {
 impl<S: Space> Generator<S> for FourPoint<S> {
     fn curve(&self) -> Result<PiecewiseCubic<S>, CurveError> {
         let points = &self.points;
-        let (needed, rest, in_words) = if self.closed {
-            (3, 0, "3, 6, 9, …")
-        } else {
-            (4, 1, "4, 7, 10, …")
-        };
-        enough("a curve in 4-point form", needed, points)?;
-        if points.len() % 3 != rest {
-            return Err(CurveError::WrongCount {
-                what: "a curve in 4-point form",
-                needed: in_words,
-                found: points.len(),
-            });
-        }
-        let n = points.len();
-        let spans = (0..n - rest).step_by(3).map(|i| {
-            let p: [S; 4] = core::array::from_fn(|k| points[(i + k) % n]);
+        let fours = in_threes("a curve in 4-point form", points, self.closed)?;
+        let spans = fours.map(|p| {
             Cubic([
                 p[0],
                 (p[1] * 18.0 - p[0] * 11.0 - p[2] * 9.0 + p[3] * 2.0) * 0.5,

@@ -22,7 +22,7 @@ pub use kochanek_bartels::{KochanekBartels, Shape};
 pub use lagrange::{Lagrange, MAX_NODES};
 pub use parabolas::BlendedParabolas;
 
-use crate::error::increasing;
+use crate::error::{enough, increasing};
 use crate::{Cubic, CurveError, PiecewiseCubic};
 use anamorph_core::Space;
 
@@ -54,6 +54,30 @@ fn check_times(times: &[f64], count: usize, closed: bool) -> Result<(), CurveErr
         });
     }
     increasing("time", times)
+}
+
+/// The points of chained spans, four to a span of which the next begins with the last; a closed chain returns to its first.
+fn in_threes<'a, S: Space>(
+    what: &'static str,
+    points: &'a [S],
+    closed: bool,
+) -> Result<impl Iterator<Item = [S; 4]> + use<'a, S>, CurveError> {
+    let (least, rest, needed) = if closed {
+        (3, 0, "3, 6, 9, …")
+    } else {
+        (4, 1, "4, 7, 10, …")
+    };
+    enough(what, least, points)?;
+    let found = points.len();
+    if found % 3 != rest {
+        return Err(CurveError::WrongCount {
+            what,
+            needed,
+            found,
+        });
+    }
+    let starts = (0..found - rest).step_by(3);
+    Ok(starts.map(move |i| core::array::from_fn(|k| points[(i + k) % found])))
 }
 
 /// The curve of these spans over `times` (or 0, 1, 2, …) that ends at the last of `points`, or at the first if closed.

@@ -45,41 +45,20 @@ pub trait Orientations: Send + Sync {
     }
 }
 
-impl<P: Orientations + ?Sized> Orientations for &P {
-    fn times(&self) -> &[f64] {
-        (**self).times()
-    }
-    fn is_closed(&self) -> bool {
-        (**self).is_closed()
-    }
-    fn orientation(&self, t: f64) -> DQuat {
-        (**self).orientation(t)
-    }
-    fn angular_velocity(&self, t: f64) -> DVec3 {
-        (**self).angular_velocity(t)
-    }
-    fn orientations(&self, times: &[f64], out: &mut [DQuat]) -> Result<(), OrientationError> {
-        (**self).orientations(times, out)
-    }
+macro_rules! forward_orientations {
+    ($($pointer:ty),*) => {$(
+        impl<P: Orientations + ?Sized> Orientations for $pointer {
+            fn times(&self) -> &[f64] { (**self).times() }
+            fn is_closed(&self) -> bool { (**self).is_closed() }
+            fn orientation(&self, t: f64) -> DQuat { (**self).orientation(t) }
+            fn angular_velocity(&self, t: f64) -> DVec3 { (**self).angular_velocity(t) }
+            fn orientations(&self, times: &[f64], out: &mut [DQuat]) -> Result<(), OrientationError> {
+                (**self).orientations(times, out)
+            }
+        }
+    )*};
 }
-
-impl<P: Orientations + ?Sized> Orientations for Box<P> {
-    fn times(&self) -> &[f64] {
-        (**self).times()
-    }
-    fn is_closed(&self) -> bool {
-        (**self).is_closed()
-    }
-    fn orientation(&self, t: f64) -> DQuat {
-        (**self).orientation(t)
-    }
-    fn angular_velocity(&self, t: f64) -> DVec3 {
-        (**self).angular_velocity(t)
-    }
-    fn orientations(&self, times: &[f64], out: &mut [DQuat]) -> Result<(), OrientationError> {
-        (**self).orientations(times, out)
-    }
-}
+forward_orientations!(&P, Box<P>);
 
 /// Whether there is a place for each orientation.
 pub(super) fn room(times: &[f64], out: &[DQuat]) -> Result<(), OrientationError> {

@@ -18,7 +18,7 @@ mod topology;
 #[cfg(feature = "recipe")]
 pub(crate) use fit::{NoFit, fit, infer_shape};
 #[cfg(feature = "recipe")]
-pub(crate) use read::{Feature, load, missing};
+pub(crate) use read::{Feature, expect_in_space, load, missing};
 
 use crate::lattices::bernstein::BernsteinLattice;
 use crate::lattices::bspline::{BsplineLattice, Knots};

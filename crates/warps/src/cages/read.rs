@@ -25,6 +25,36 @@ pub(crate) struct Feature<S> {
     mesh: Arc<FeatureMesh>,
 }
 
+/// Refuses a file whose points are not finite, or do not lie in the space of the model; `path` is the parameter that names it.
+pub(crate) fn expect_in_space<S: Space>(
+    path: &str,
+    name: &str,
+    mesh: &FeatureMesh,
+) -> Result<(), ConstructError> {
+    let fail =
+        |message: String, hint: &str| Err(ConstructError::new(path, message).with_hint(hint));
+    if let Some(index) = mesh.points.iter().position(|point| !point.is_finite()) {
+        let message = format!("v {} of {name} is not finite", index + 1);
+        return fail(message, "write numbers, or export the file again");
+    }
+    if mesh.dimension < S::DIM {
+        let message = format!("{name} lies in the plane, and the model in space");
+        return fail(message, "give its points a third coordinate, z");
+    }
+    let largest = mesh.points.iter().map(|p| p.abs().max_element());
+    let size = largest.fold(0.0, f64::max);
+    let off = mesh.points.iter().position(|p| p.z.abs() > 1e-6 * size);
+    if let (2, Some(index)) = (S::DIM, off) {
+        let z = mesh.points[index].z;
+        let message = format!(
+            "v {} of {name} stands at z = {z}, and the model lies in the plane",
+            index + 1
+        );
+        return fail(message, "move it back to z = 0");
+    }
+    Ok(())
+}
+
 /// The file that the parameter `key` names, if it names one.
 pub(crate) fn load<S: Space>(
     key: &'static str,
@@ -35,30 +65,7 @@ pub(crate) fn load<S: Space>(
         return Ok(None);
     };
     let mesh = context.mesh(key, name)?;
-    let fail = |message: String, hint: &str| ConstructError::new(key, message).with_hint(hint);
-    if let Some(index) = mesh.points.iter().position(|point| !point.is_finite()) {
-        let message = format!("v {} of {name} is not finite", index + 1);
-        return Err(fail(message, "write numbers, or export the file again"));
-    }
-    if mesh.dimension < S::DIM {
-        let message = format!("{name} lies in the plane, and the model in space");
-        return Err(fail(message, "give its points a third coordinate, z"));
-    }
-    let size = mesh
-        .points
-        .iter()
-        .fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
-    if S::DIM == 2 {
-        let off = mesh.points.iter().position(|p| p.z.abs() > 1e-6 * size);
-        if let Some(index) = off {
-            let z = mesh.points[index].z;
-            let message = format!(
-                "v {} of {name} stands at z = {z}, and the model lies in the plane",
-                index + 1
-            );
-            return Err(fail(message, "move it back to z = 0"));
-        }
-    }
+    expect_in_space::<S>(key, name, &mesh)?;
     Ok(Some(Feature {
         key,
         name: name.clone(),

@@ -291,9 +291,12 @@ impl<S: Space> BsplineLattice<S> {
         for axis in 0..S::DIM {
             let greville = &self.greville[axis];
             let spacing = greville[1] - greville[0];
-            let uniform = greville
-                .windows(2)
-                .all(|w| (w[1] - w[0] - spacing).abs() <= 1e-9 * spacing);
+            // Uniform knots put a ring of control points outside of the box. A clamped lattice of a single span has evenly spaced
+            // points, too, but Bernstein's polynomials, of which the theorem says nothing.
+            let uniform = (greville[0] + spacing).abs() <= 1e-9 * spacing
+                && greville
+                    .windows(2)
+                    .all(|w| (w[1] - w[0] - spacing).abs() <= 1e-9 * spacing);
             let along = |d: &S| gradients.column(axis).dot(*d).abs();
             let farthest = self.displacements.iter().map(along).fold(0.0, f64::max);
             if !uniform || farthest >= limit * spacing {

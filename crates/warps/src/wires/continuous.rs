@@ -27,7 +27,7 @@ use super::{WireError, number, prepared};
 use anamorph_core::sampling::{Node, Sampling, adaptive};
 use anamorph_core::{
     Address, Affine, Bounds, Condition, Deformation, Facts, Influence, Influences, Mark, Site,
-    Smoothness, Space, Support, Unmapped, Warp, evaluate, evaluate_points,
+    Smoothness, Space, Support, Unmapped, Warp, evaluate_points,
 };
 use anamorph_transforms::Rotational;
 
@@ -313,11 +313,7 @@ impl<S: Rotational> ContinuousWires<S> {
 
 impl<S: Rotational> Deformation<S> for ContinuousWires<S> {
     fn map(&self, site: &Site<S>) -> S {
-        if self.bounds.contains(site.point) {
-            evaluate(self, site)
-        } else {
-            site.point
-        }
+        super::within(self.bounds, self, site)
     }
 
     fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {

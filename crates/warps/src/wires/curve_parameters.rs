@@ -2,6 +2,7 @@
 //!
 //! *Source*: the families are those of `anamorph-curves`; the notation is a decision.
 
+use crate::cages::expect_in_space;
 use anamorph_catalog::schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use anamorph_catalog::{
     ConstructError, Context, FeatureMesh, Offset, Place, Value, parse, schemars,
@@ -135,31 +136,10 @@ pub(super) fn polylines<S: Space>(
     context: &Context<'_, S>,
 ) -> Result<Vec<Polyline<S>>, ConstructError> {
     let mesh = context.mesh(path, name)?;
-    let fail = |message: String, hint: &str| ConstructError::new(path, message).with_hint(hint);
-    if let Some(index) = mesh.points.iter().position(|point| !point.is_finite()) {
-        let message = format!("v {} of {name} is not finite", index + 1);
-        return Err(fail(message, "write numbers, or export the file again"));
-    }
-    if mesh.dimension < S::DIM {
-        let message = format!("{name} lies in the plane, and the model in space");
-        return Err(fail(message, "give its points a third coordinate, z"));
-    }
-    if S::DIM == 2 {
-        let largest = mesh.points.iter().map(|p| p.abs().max_element());
-        let size = largest.fold(0.0, f64::max);
-        let off = mesh.points.iter().position(|p| p.z.abs() > 1e-6 * size);
-        if let Some(index) = off {
-            let z = mesh.points[index].z;
-            let message = format!(
-                "v {} of {name} stands at z = {z}, and the model lies in the plane",
-                index + 1
-            );
-            return Err(fail(message, "move it back to z = 0"));
-        }
-    }
+    expect_in_space::<S>(path, name, &mesh)?;
     let chains = chains(&mesh).ok_or_else(|| {
-        fail(
-            format!("lines of {name} meet in a branch"),
+        let message = format!("lines of {name} meet in a branch");
+        ConstructError::new(path, message).with_hint(
             "keep polylines that do not branch, or remove all lines to take the points in their order",
         )
     })?;

@@ -29,7 +29,7 @@ pub use nearest::Wires;
 pub use rail::{Rail, Station};
 pub use wire::{Along, Anchor, Wire, WireCurve};
 
-use anamorph_core::{Bounds, Condition, Mark, Role, Shape, Space};
+use anamorph_core::{Bounds, Condition, Mark, Role, Shape, Site, Space, Warp, evaluate};
 use anamorph_transforms::Rotational;
 use wire::Prepared;
 
@@ -116,6 +116,15 @@ fn prepared<S: Rotational>(
 /// A box around all that wires may move; `None` without wires.
 fn support<S: Rotational>(wires: &[Prepared<S>]) -> Option<Bounds<S>> {
     wires.iter().map(Prepared::support).reduce(Bounds::union)
+}
+
+/// Eq. (3) inside of a box around all that moves; outside everything stays.
+fn within<S: Space>(bounds: Bounds<S>, warp: &impl Warp<S>, site: &Site<S>) -> S {
+    if bounds.contains(site.point) {
+        evaluate(warp, site)
+    } else {
+        site.point
+    }
 }
 
 /// Places of a wire at which it states where it goes.

@@ -13,7 +13,7 @@ use super::wire::{Prepared, Wire};
 use super::{WireError, number, prepared};
 use anamorph_core::{
     Address, Affine, Bounds, Condition, Deformation, Facts, Influence, Influences, Mark, Site,
-    Smoothness, Space, Support, Unmapped, Warp, evaluate, evaluate_points,
+    Smoothness, Space, Support, Unmapped, Warp, evaluate_points,
 };
 use anamorph_transforms::Rotational;
 
@@ -43,11 +43,7 @@ impl<S: Rotational> Wires<S> {
 
 impl<S: Rotational> Deformation<S> for Wires<S> {
     fn map(&self, site: &Site<S>) -> S {
-        if self.bounds.contains(site.point) {
-            evaluate(self, site)
-        } else {
-            site.point
-        }
+        super::within(self.bounds, self, site)
     }
 
     fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
