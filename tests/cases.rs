@@ -4,8 +4,8 @@
 
 use anamorph_catalog::Value;
 use anamorph_core::{
-    Affine, Average, Deformation, Plane, Sampling, Scaling, Solid, Space, Term, Terms,
-    Transformation, glam::dvec3,
+    Affine, Average, Deformation, Pin, Plane, Sampling, Scaling, Solid, Space, Term, Terms,
+    Transformation, fit, glam::dvec3,
 };
 use anamorph_curves::{Bezier, Indexed};
 use anamorph_features::{ElementPair, Frame, FramePair};
@@ -22,6 +22,24 @@ use anamorph_warps::lines::{WeightConstants, global, local};
 use anamorph_warps::meshes::{MeshWarp, Reaches, Uncovered};
 use anamorph_warps::wires::{Along, ContinuousWires, Wire};
 use std::sync::Arc;
+
+/// Direct manipulation: a lattice fitted to pins.
+fn direct<S: Space>(case: &Case) -> usize {
+    let grid: Grid<S> = grid(&case.params);
+    let still = BernsteinLattice::construct(grid.clone(), vec![S::ZERO; grid.len()]).unwrap();
+    let pairs = rows(&case.params["source"])
+        .into_iter()
+        .zip(rows(&case.params["target"]));
+    let pins: Vec<Pin<S>> = pairs
+        .map(|(source, target)| Pin {
+            source: point(&source),
+            target: point(&target),
+            weight: 1.0,
+        })
+        .collect();
+    let moves = fit(&still, grid.len(), &pins, 0.0).unwrap();
+    case.check(&BernsteinLattice::construct(grid, moves).unwrap())
+}
 
 fn scaling(method: &Value) -> Scaling {
     match method.as_str().unwrap() {
@@ -273,6 +291,7 @@ fn run<S: Rotational>(case: &Case) -> usize {
             let list = displacements::<S>(&case.params);
             case.check(&BernsteinLattice::construct(grid(&case.params), list).unwrap())
         }
+        "ffd.direct" => direct::<S>(case),
         "ffd.bspline" => bspline::<S>(case),
         "ffd.frames" => lattice_frames::<S>(case),
         "frames" => frames::<S>(case),

@@ -269,7 +269,7 @@ fn f14_points_that_are_not_covered_are_reported_or_go_with_the_nearest_vertex() 
     // With μ at most a half even the middle of every edge is left behind.
     let warp = build(Uncovered::Stay);
     let points = [source[0], middle, dvec2(5.0, 5.0)];
-    let covered = coverage(&warp, &points);
+    let covered = coverage(&warp, &points, points.len());
     assert_eq!(covered.verdict, Verdict::Refuted);
     assert_eq!(covered.witness.unwrap().place, middle);
     assert!(
@@ -286,11 +286,14 @@ fn f14_points_that_are_not_covered_are_reported_or_go_with_the_nearest_vertex() 
         Uncovered::Stay,
     );
     assert_eq!(
-        coverage(&usual.unwrap(), &points[..2]).verdict,
+        coverage(&usual.unwrap(), &points[..2], 2).verdict,
         Verdict::Proved
     );
     let whole = build(Uncovered::Nearest);
-    assert_eq!(coverage(&whole, &points).verdict, Verdict::Proved);
+    assert_eq!(
+        coverage(&whole, &points, points.len()).verdict,
+        Verdict::Proved
+    );
     for p in points {
         assert!(whole.map(&Site::anywhere(p)).distance(p + Plane::Y) < 1e-12);
     }

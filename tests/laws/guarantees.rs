@@ -316,10 +316,10 @@ fn a_jump_is_found_measured_and_repaired() {
     );
     // Three of the points of a coarser grid feel it.
     let few = [Plane::ZERO, Plane::X * 0.5, Plane::Y * 0.5, Plane::X * 3.0];
-    let covered = coverage(&warp, &few);
+    let covered = coverage(&warp, &few, few.len());
     assert_eq!(covered.verdict, Verdict::Refuted);
     assert_eq!(covered.witness.unwrap().place, few[3]);
-    assert_eq!(coverage(&warp, &few[..3]).verdict, Verdict::Proved);
+    assert_eq!(coverage(&warp, &few[..3], 3).verdict, Verdict::Proved);
 }
 
 #[test]

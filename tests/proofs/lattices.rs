@@ -1,8 +1,8 @@
-//! B3: affine edits and joined lattices. B4: local control and affine edits of every degree. B9: a frame that turns.
+//! B3: affine edits and joined lattices. B4: local control and affine edits of every degree. B7: direct manipulation. B9: a frame that turns.
 
 use anamorph_core::{
-    Affine, Bounds, Deformation, Linear, Plane, Scaling, Site, Smoothness, Solid, Space,
-    Transformation, difference_jacobian,
+    Affine, Bounds, Deformation, Linear, Pin, Plane, Scaling, Site, Smoothness, Solid, Space,
+    Transformation, difference_jacobian, fit,
     glam::{dvec2, dvec3},
 };
 use anamorph_tests::measure::{linear_distance, same_bits};
@@ -270,4 +270,60 @@ fn b9<S: Rotational>(axis: S) {
 fn b9_a_frame_that_turns_turns_its_neighbourhood() {
     b9(Plane::ZERO);
     b9(dvec3(1.0, 2.0, -1.0));
+}
+
+/// Pins are met to 1e-9, many and close ones too, and no other edit that meets them changes less.
+fn b7_pins<S: Space>() {
+    let mut random = Random::new(7);
+    for round in 0..12 {
+        let grid = skew::<S>(&mut random, &[4, 5, 4]);
+        let bernstein = round % 2 == 0;
+        let build = |moves: Vec<S>| -> Box<dyn anamorph_core::Warp<S>> {
+            if bernstein {
+                Box::new(BernsteinLattice::construct(grid.clone(), moves).unwrap())
+            } else {
+                let knots = [Knots::Uniform, Knots::Clamped][round / 2 % 2];
+                Box::new(BsplineLattice::construct(grid.clone(), 3, knots, moves).unwrap())
+            }
+        };
+        let count = [1, 3, 9, 12][round % 4];
+        let pins: Vec<Pin<S>> = (0..count)
+            .map(|_| {
+                let source = inside(&mut random, &grid);
+                Pin {
+                    source,
+                    target: source + random.vector::<S>() * 0.2,
+                    weight: random.between(0.1, 10.0),
+                }
+            })
+            .collect();
+        let start: Vec<S> = (0..grid.len())
+            .map(|_| random.vector::<S>() * 0.1)
+            .collect();
+        let changes = fit(&build(start.clone()), grid.len(), &pins, 0.0).unwrap();
+        let moved = |changes: &[S]| {
+            let moves = start.iter().zip(changes).map(|(&a, &b)| a + b);
+            build(moves.collect())
+        };
+        let warp = moved(&changes);
+        for pin in &pins {
+            let miss = warp.map(&Site::anywhere(pin.source)).distance(pin.target);
+            assert!(miss < 1e-9, "round {round}: {miss:e}");
+        }
+        // Another edit that meets the pins: fitted after a push.
+        let push: Vec<S> = (0..grid.len())
+            .map(|_| random.vector::<S>() * 0.1)
+            .collect();
+        let pushed: Vec<S> = start.iter().zip(&push).map(|(&a, &b)| a + b).collect();
+        let again = fit(&build(pushed), grid.len(), &pins, 0.0).unwrap();
+        let other: Vec<S> = push.iter().zip(&again).map(|(&a, &b)| a + b).collect();
+        let size = |list: &[S]| list.iter().map(|d| d.dot(*d)).sum::<f64>();
+        assert!(size(&changes) <= size(&other) * (1.0 + 1e-9));
+    }
+}
+
+#[test]
+fn b7_pins_are_met_with_the_least_change() {
+    b7_pins::<Plane>();
+    b7_pins::<Solid>();
 }

@@ -45,6 +45,44 @@ pub struct Built<S: Space> {
     pub warp: Box<dyn Warp<S>>,
     /// Its features and guides.
     pub marks: Vec<Mark<S>>,
+    /// How it is built again with other targets, if its images are linear in them.
+    pub refit: Option<Refit<S>>,
+}
+
+impl<S: Space> Built<S> {
+    /// A warp that cannot be fitted.
+    pub fn new(marks: Vec<Mark<S>>, warp: Box<dyn Warp<S>>) -> Self {
+        Self {
+            warp,
+            marks,
+            refit: None,
+        }
+    }
+
+    /// The warp as one that can be fitted: `targets` features, built again by `with` from a displacement to be added to the target of each.
+    #[must_use]
+    pub fn fitted_by(
+        mut self,
+        targets: usize,
+        with: impl Fn(&[S]) -> Result<Built<S>, ConstructError> + 'static,
+    ) -> Self {
+        self.refit = Some(Refit {
+            targets,
+            with: Box::new(with),
+        });
+        self
+    }
+}
+
+/// Builds a warp again, each of its targets moved by a displacement.
+pub type WithTargets<S> = dyn Fn(&[S]) -> Result<Built<S>, ConstructError>;
+
+/// How a warp whose images are linear in its targets is built again with others.
+pub struct Refit<S: Space> {
+    /// How many targets it has.
+    pub targets: usize,
+    /// Builds it, from a displacement for each target.
+    pub with: Box<WithTargets<S>>,
 }
 
 /// What a construction may know about the model a recipe is for.

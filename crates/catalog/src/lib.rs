@@ -12,7 +12,7 @@ mod error;
 mod mesh;
 mod parameters;
 
-pub use entry::{Attributes, Built, Context, Entry, FieldEntry, WarpEntry};
+pub use entry::{Attributes, Built, Context, Entry, FieldEntry, Refit, WarpEntry, WithTargets};
 pub use error::{ConstructError, parse};
 pub use mesh::{FeatureMesh, Meshes};
 pub use parameters::{Along, Angle, Axis, Coordinate, Length, Offset, Place, ScalingMethod};

@@ -72,6 +72,15 @@ pub(crate) struct WarpOptions {
     /// extension (.gif, .apng, .png)
     #[arg(long, value_name = "PICTURES", requires = "preview", value_parser = parse_pictures, help_heading = "Preview")]
     pub turntable: Option<usize>,
+    /// Paint a number on the model in the preview: what becomes of volumes (or areas, in the plane), how strongly and with what
+    /// weight features pull, or how far points move
+    #[arg(
+        long,
+        value_name = "FIELD",
+        requires = "preview",
+        help_heading = "Preview"
+    )]
+    pub preview_field: Option<PreviewField>,
     #[command(flatten)]
     pub view: ViewOptions,
     /// Threads to use, 1 to 1024; as many as the machine has if left out. Results do not depend on it
@@ -322,6 +331,19 @@ fn parse_counts(text: &str) -> Result<Counts, String> {
         .filter(|counts| counts.len() <= 3 && counts.iter().all(|&count| count >= 2))
         .map(Counts)
         .ok_or_else(|| "write a whole number, at least 2, for each axis, such as 4,4,4".to_owned())
+}
+
+/// What is painted on a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PreviewField {
+    /// The determinant of the Jacobian: the factor of volumes; 0 or less is a fold
+    Det,
+    /// The averaged strength within the mask, the greatest of a stack's
+    Strength,
+    /// The sum of the weights before they are normalized, the greatest of a stack's
+    Weight,
+    /// How far points move
+    Displacement,
 }
 
 /// How a preview is taken.

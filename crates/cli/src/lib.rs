@@ -15,6 +15,7 @@ mod gallery;
 mod meshes;
 mod model;
 mod motion;
+mod painted;
 mod picture;
 mod progress;
 

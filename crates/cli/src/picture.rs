@@ -3,6 +3,7 @@
 use crate::arguments::{Side, ThemeName, UpAxis, ViewOptions};
 use crate::error::Failure;
 use crate::model::ModelSpace;
+use crate::painted::Painted;
 use anamorph_core::{Deformation, Domain, Mark, Role, Shape, Site};
 use anamorph_io::{Document, Mesh};
 use anamorph_preview::{
@@ -152,6 +153,7 @@ fn colours(document: &dyn Document) -> Option<Vec<[f32; 3]>> {
 pub(crate) struct Subject<'a, S: ModelSpace> {
     mesh: Mesh,
     colours: Option<Vec<[f32; 3]>>,
+    painted: Option<&'a Painted>,
     sources: Vec<Mark<S>>,
     targets: Vec<Mark<S>>,
     before: &'a [S],
@@ -170,11 +172,17 @@ impl<'a, S: ModelSpace> Subject<'a, S> {
         Self {
             mesh: document.mesh().unwrap_or_default(),
             colours: colours(document),
+            painted: None,
             sources,
             targets,
             before,
             after,
         }
+    }
+
+    /// The same with numbers painted on it.
+    pub(crate) fn painted(self, painted: Option<&'a Painted>) -> Self {
+        Self { painted, ..self }
     }
 
     /// The two panels.
@@ -186,9 +194,10 @@ impl<'a, S: ModelSpace> Subject<'a, S> {
                 lines: &self.mesh.lines,
                 colours: None,
             };
-            match &self.colours {
-                Some(colours) => model.with_colours(colours),
-                None => model,
+            match (self.painted, &self.colours) {
+                (Some(painted), _) => model.with_colours(&painted.colours),
+                (None, Some(colours)) => model.with_colours(colours),
+                (None, None) => model,
             }
         };
         let before = Panel::new(model(self.before)).with_marks(&self.sources);
@@ -203,9 +212,16 @@ impl<'a, S: ModelSpace> Subject<'a, S> {
         kind: Kind,
         out: &mut dyn Write,
     ) -> Result<(), PreviewError> {
+        let draw = |options: &Options| {
+            let picture = self.draw(options)?;
+            match self.painted {
+                Some(painted) => painted.with_scale(&picture, view.theme),
+                None => Ok(picture),
+            }
+        };
         match kind {
             Kind::Still => {
-                let png = self.draw(&options(view, false))?.png()?;
+                let png = draw(&options(view, false))?.png()?;
                 out.write_all(&png).map_err(|error| PreviewError::Encoding {
                     reason: error.to_string(),
                 })
@@ -217,7 +233,7 @@ impl<'a, S: ModelSpace> Subject<'a, S> {
                     #[allow(clippy::cast_precision_loss)]
                     let angle = step as f64 / count as f64 * TAU;
                     let camera = options.camera.turned(angle);
-                    animation.push(&self.draw(&Options { camera, ..options })?)?;
+                    animation.push(&draw(&Options { camera, ..options })?)?;
                 }
                 animation.finish()
             }

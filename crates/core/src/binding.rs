@@ -5,8 +5,8 @@
 //! bit for bit.
 
 use crate::{
-    Average, Deformation, Domain, Facts, Influence, Influences, Site, Smoothness, Space, Unmapped,
-    Warp,
+    Address, Average, Deformation, Domain, Facts, Influence, Influences, Linear, Site, Smoothness,
+    Space, Unmapped, Warp, warp::Sums,
 };
 
 /// Sites at which a binding is compared with a warp, at most.
@@ -17,11 +17,22 @@ const WEIGHED: usize = 1024;
 /// The influences of every site of one model.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Binding {
-    /// Start of each site's influences in `influences`, and one past the last.
+    /// Start of each site's influences in `features` and `weights`, and one past the last.
     offsets: Vec<usize>,
-    influences: Vec<Influence>,
+    features: Vec<u32>,
+    weights: Vec<f64>,
+    /// Where on its feature each influence sits, and its strength; empty when these are 0 and 1 throughout.
+    places: Vec<(f64, f64)>,
     /// Per site, see [`Influences::log_scale`]; empty when all are 0.
     log_scales: Vec<f64>,
+}
+
+/// Place and strength of influences that say nothing of theirs.
+const USUAL: (f64, f64) = (0.0, 1.0);
+
+/// Whether these are place and strength that are not stored: bit for bit, as -0 is not 0 in a file.
+fn is_usual(place: (f64, f64)) -> bool {
+    place.0.to_bits() == USUAL.0.to_bits() && place.1 == USUAL.1
 }
 
 impl Binding {
@@ -35,15 +46,17 @@ impl Binding {
     pub fn of_run<S: Space, W: Warp<S> + ?Sized>(warp: &W, first: usize, rest: &[S]) -> Self {
         let mut binding = Self {
             offsets: vec![0],
-            influences: Vec::new(),
             log_scales: vec![0.0; rest.len()],
+            ..Self::default()
         };
         let mut list = Influences::default();
         for (index, &point) in rest.iter().enumerate() {
             list.clear();
             warp.influences(&Site::new(first + index, point), &mut list);
-            binding.influences.extend_from_slice(&list.list);
-            binding.offsets.push(binding.influences.len());
+            list.list
+                .iter()
+                .for_each(|influence| binding.push(influence));
+            binding.offsets.push(binding.features.len());
             binding.log_scales[index] = list.log_scale;
         }
         if binding.log_scales.iter().all(|&l| l == 0.0) {
@@ -52,20 +65,37 @@ impl Binding {
         binding
     }
 
+    /// Adds an influence to the last site.
+    fn push(&mut self, influence: &Influence) {
+        let place = (influence.address.at, influence.strength);
+        if !(self.places.is_empty() && is_usual(place)) {
+            self.places.resize(self.features.len(), USUAL);
+            self.places.push(place);
+        }
+        self.features.push(influence.address.feature);
+        self.weights.push(influence.weight);
+    }
+
     /// Adds the sites of the run that comes next.
     pub fn append(&mut self, next: &Self) {
         if self.offsets.is_empty() {
             self.offsets.push(0);
         }
-        let (sites, kept) = (self.len(), self.influences.len());
+        let (sites, kept) = (self.len(), self.features.len());
         if !(self.log_scales.is_empty() && next.log_scales.is_empty()) {
             self.log_scales.resize(sites, 0.0);
             self.log_scales.extend_from_slice(&next.log_scales);
             self.log_scales.resize(sites + next.len(), 0.0);
         }
+        if !(self.places.is_empty() && next.places.is_empty()) {
+            self.places.resize(kept, USUAL);
+            self.places.extend_from_slice(&next.places);
+            self.places.resize(kept + next.features.len(), USUAL);
+        }
         self.offsets
             .extend(next.offsets.iter().skip(1).map(|offset| kept + offset));
-        self.influences.extend_from_slice(&next.influences);
+        self.features.extend_from_slice(&next.features);
+        self.weights.extend_from_slice(&next.weights);
     }
 
     /// Number of sites.
@@ -78,19 +108,33 @@ impl Binding {
     }
     /// Number of influences kept over all sites.
     pub fn influence_count(&self) -> usize {
-        self.influences.len()
+        self.features.len()
+    }
+    /// The influence of a number, counted over all sites.
+    fn influence(&self, number: usize) -> Influence {
+        let (at, strength) = self.places.get(number).copied().unwrap_or(USUAL);
+        let feature = self.features[number];
+        Influence {
+            address: Address { feature, at },
+            strength,
+            weight: self.weights[number],
+        }
+    }
+    /// Where the influences of a site lie; nowhere beyond the last.
+    fn range(&self, index: usize) -> core::ops::Range<usize> {
+        match (self.offsets.get(index), self.offsets.get(index + 1)) {
+            (Some(&from), Some(&to)) => from..to,
+            _ => 0..0,
+        }
     }
     /// The influences of one site; none beyond the last.
-    pub fn site(&self, index: usize) -> &[Influence] {
-        match (self.offsets.get(index), self.offsets.get(index + 1)) {
-            (Some(&from), Some(&to)) => &self.influences[from..to],
-            _ => &[],
-        }
+    pub fn site(&self, index: usize) -> impl ExactSizeIterator<Item = Influence> + Clone + '_ {
+        self.range(index).map(|number| self.influence(number))
     }
 
     /// The influences of all sites, one site after the other.
-    pub fn influences(&self) -> &[Influence] {
-        &self.influences
+    pub fn influences(&self) -> impl ExactSizeIterator<Item = Influence> + Clone + '_ {
+        (0..self.features.len()).map(|number| self.influence(number))
     }
     /// The logarithmic scale of a site's weights, see [`Influences::log_scale`].
     pub fn log_scale(&self, index: usize) -> f64 {
@@ -101,41 +145,49 @@ impl Binding {
     /// each site has, all of them, and the scales (one a site, or none). `None` where the numbers do not fit together.
     pub fn from_parts(
         counts: &[u32],
-        influences: Vec<Influence>,
+        influences: impl IntoIterator<Item = Influence>,
         log_scales: Vec<f64>,
     ) -> Option<Self> {
         if !(log_scales.is_empty() || log_scales.len() == counts.len()) {
             return None;
         }
-        let mut offsets = Vec::with_capacity(counts.len() + 1);
+        let mut binding = Self {
+            offsets: Vec::with_capacity(counts.len() + 1),
+            log_scales,
+            ..Self::default()
+        };
         let mut end = 0_usize;
-        offsets.push(end);
+        binding.offsets.push(end);
         for &count in counts {
             end = end.checked_add(count as usize)?;
-            offsets.push(end);
+            binding.offsets.push(end);
         }
-        (end == influences.len()).then_some(Self {
-            offsets,
-            influences,
-            log_scales,
-        })
+        influences
+            .into_iter()
+            .for_each(|influence| binding.push(&influence));
+        (end == binding.features.len()).then_some(binding)
     }
 
     /// Bytes of memory that a binding of a warp to these points takes for each, estimated from some of them.
     pub fn bytes_per_point<S: Space, W: Warp<S> + ?Sized>(warp: &W, rest: &[S]) -> f64 {
         let step = rest.len().div_ceil(WEIGHED).max(1);
         let mut list = Influences::default();
-        let (mut count, mut sites) = (0_usize, 0_usize);
+        let (mut count, mut sites, mut placed) = (0_usize, 0_usize, false);
         for (index, &point) in rest.iter().enumerate().step_by(step) {
             list.clear();
             warp.influences(&Site::new(index, point), &mut list);
             count += list.list.len();
             sites += 1;
+            let mut all = list.list.iter();
+            placed |= all.any(|i| !is_usual((i.address.at, i.strength)));
         }
         #[allow(clippy::cast_precision_loss)]
         let each = count as f64 / sites.max(1) as f64;
         #[allow(clippy::cast_precision_loss)]
-        let (influence, offset) = (size_of::<Influence>() as f64, size_of::<usize>() as f64);
+        let (influence, offset) = (
+            (size_of::<u32>() + size_of::<f64>() * if placed { 3 } else { 1 }) as f64,
+            size_of::<usize>() as f64,
+        );
         each * influence + offset
     }
 
@@ -162,8 +214,7 @@ impl Binding {
         list.log_scale.to_bits() == self.log_scale(index).to_bits()
             && self
                 .site(index)
-                .iter()
-                .all(|kept| all.any(|influence| influence == kept))
+                .all(|kept| all.any(|influence| *influence == kept))
     }
 
     /// Without those influences whose share of their site's weight is less than `share`. Only of warps whose weights ignore the targets,
@@ -175,20 +226,42 @@ impl Binding {
         }
         let mut kept = Self {
             offsets: vec![0],
-            influences: Vec::new(),
             log_scales: self.log_scales.clone(),
+            ..Self::default()
         };
         for index in 0..self.len() {
             let site = self.site(index);
-            let total: f64 = site.iter().map(|i| i.weight).sum();
-            let largest = site.iter().map(|i| i.weight).fold(0.0, f64::max);
-            let heavy = |i: &&Influence| {
-                !total.is_finite() || i.weight >= share * total || i.weight == largest
-            };
-            kept.influences.extend(site.iter().filter(heavy));
-            kept.offsets.push(kept.influences.len());
+            let total: f64 = site.clone().map(|i| i.weight).sum();
+            let largest = site.clone().map(|i| i.weight).fold(0.0, f64::max);
+            site.filter(|i| !total.is_finite() || i.weight >= share * total || i.weight == largest)
+                .for_each(|influence| kept.push(&influence));
+            kept.offsets.push(kept.features.len());
         }
         kept
+    }
+
+    /// The displacements of the features, `(L − I, t)` each, where a table of them serves all sites: every influence takes the whole of
+    /// its feature at full strength, and weights ignore the targets. Empty otherwise.
+    fn table<S: Space, W: Warp<S> + ?Sized>(&self, warp: &W) -> Table<S> {
+        let last = self.features.iter().max();
+        let serves = self.places.is_empty() && !warp.facts().weights_follow_targets;
+        let Some(&last) = last.filter(|_| serves) else {
+            return Vec::new();
+        };
+        // A number without a feature, as a damaged file may have, must not ask for a table of its size.
+        if last as usize > self.features.len().max(FEATURES) {
+            return Vec::new();
+        }
+        let mut used = vec![false; last as usize + 1];
+        self.features.iter().for_each(|&f| used[f as usize] = true);
+        let displacement = |feature: u32| {
+            if !used[feature as usize] {
+                return (S::Linear::ZERO, S::ZERO);
+            }
+            let affine = warp.scaled(Address::of(feature), 1.0);
+            (affine.linear - S::Linear::IDENTITY, affine.translation)
+        };
+        (0..=last).map(displacement).collect()
     }
 
     /// Moves points, which stand at the indices they were bound with, by `warp`, whose targets and transformations may
@@ -199,34 +272,82 @@ impl Binding {
         first: usize,
         points: &mut [S],
     ) -> Unmapped {
+        self.map_points_by(warp, &self.table(warp), first, points)
+    }
+
+    fn map_points_by<S: Space, W: Warp<S> + ?Sized>(
+        &self,
+        warp: &W,
+        table: &[(S::Linear, S)],
+        first: usize,
+        points: &mut [S],
+    ) -> Unmapped {
         let mut list = Influences::default();
         let mut unmapped = Unmapped::none();
+        let average = warp.average();
         for (i, point) in points.iter_mut().enumerate() {
             let index = first + i;
             if index >= self.len() {
                 unmapped.push(index);
                 continue;
             }
+            if !table.is_empty() {
+                let sums = self.sums(table, index, *point);
+                if let Some(displacement) = sums.displacement(average, self.log_scale(index)) {
+                    *point = point.moved_by(displacement);
+                    continue;
+                }
+            }
             list.clear();
-            list.list.extend_from_slice(self.site(index));
+            list.list.extend(self.site(index));
             list.log_scale = self.log_scale(index);
             *point = warp.combine(*point, &list);
         }
         unmapped
     }
+
+    /// The sums of eq. (3) at one site, displacements from a table.
+    #[inline]
+    fn sums<S: Space>(&self, table: &[(S::Linear, S)], index: usize, point: S) -> Sums<S> {
+        let mut sums = Sums::ZERO;
+        let range = self.range(index);
+        let terms = self.features[range.clone()]
+            .iter()
+            .zip(&self.weights[range]);
+        for (&feature, &weight) in terms {
+            let (linear, translation) = &table[feature as usize];
+            if weight > 0.0 {
+                sums.add(linear.apply(point) + *translation, weight);
+            }
+        }
+        sums
+    }
 }
+
+/// The displacement of each feature as `(L − I, t)`.
+type Table<S> = Vec<(<S as Space>::Linear, S)>;
+
+/// Tables of up to this many features are made whatever the number of influences.
+const FEATURES: usize = 1 << 16;
 
 /// A warp bound to a model: a deformation that moves the model's points, at the indices they were bound with, by the saved influences
 /// and the warp's present targets.
-pub struct Bound<W> {
+pub struct Bound<S: Space, W> {
     warp: W,
     binding: Binding,
+    /// See [`Binding::table`].
+    table: Table<S>,
 }
 
-impl<W> Bound<W> {
+impl<S: Space, W: Warp<S>> Bound<S, W> {
     /// The warp with its binding.
     pub fn new(warp: W, binding: Binding) -> Self {
-        Self { warp, binding }
+        let table = binding.table(&warp);
+        Self {
+            warp,
+            binding,
+            table,
+        }
     }
     /// The binding.
     pub fn binding(&self) -> &Binding {
@@ -234,10 +355,10 @@ impl<W> Bound<W> {
     }
 }
 
-impl<S: Space, W: Warp<S>> Deformation<S> for Bound<W> {
+impl<S: Space, W: Warp<S>> Deformation<S> for Bound<S, W> {
     fn map(&self, site: &Site<S>) -> S {
         let mut point = [site.point];
-        let _ = self.binding.map_points(&self.warp, site.index, &mut point);
+        let _ = self.map_points(site.index, &mut point);
         point[0]
     }
 
@@ -259,7 +380,8 @@ impl<S: Space, W: Warp<S>> Deformation<S> for Bound<W> {
     }
 
     fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
-        self.binding.map_points(&self.warp, first, points)
+        self.binding
+            .map_points_by(&self.warp, &self.table, first, points)
     }
 
     /// `D(u)⁻¹` where weights ignore the targets (errata F16); `None` where `D(u)` is singular, or where weights follow targets.
@@ -268,7 +390,7 @@ impl<S: Space, W: Warp<S>> Deformation<S> for Bound<W> {
             return None;
         }
         let influences = Influences {
-            list: self.binding.site(image.index).to_vec(),
+            list: self.binding.site(image.index).collect(),
             log_scale: self.binding.log_scale(image.index),
         };
         let forward = crate::warp::deforming_function_of(&self.warp, image.point, &influences);
@@ -367,14 +489,14 @@ mod tests {
         let counts: Vec<u32> = (0..binding.len())
             .map(|i| u32::try_from(binding.site(i).len()).unwrap())
             .collect();
-        let again = Binding::from_parts(&counts, binding.influences().to_vec(), Vec::new());
+        let again = Binding::from_parts(&counts, binding.influences(), Vec::new());
         assert_eq!(again, Some(binding.clone()));
         assert_eq!(
-            Binding::from_parts(&counts[1..], binding.influences().to_vec(), Vec::new()),
+            Binding::from_parts(&counts[1..], binding.influences(), Vec::new()),
             None
         );
         assert_eq!(
-            Binding::from_parts(&counts, binding.influences().to_vec(), vec![0.0]),
+            Binding::from_parts(&counts, binding.influences(), vec![0.0]),
             None
         );
     }

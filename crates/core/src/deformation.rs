@@ -25,6 +25,9 @@ pub struct Facts<S> {
     /// Weights fall to 0 continuously wherever they end, so that an ambient weight removes a jump at the edge (errata F4).
     /// Those of a lattice do not: they sum to 1 up to the faces of its box.
     pub weights_fade: bool,
+    /// Continuity of the weights by themselves: what a single feature does not show, as its weight cancels, but an ambient weight and
+    /// features that come in at different times do.
+    pub weights: Smoothness,
     /// A bound of `‖J − I‖` (spectral norm) wherever the Jacobian `J` exists. Below 1 the determinant is positive; where the
     /// deformation is continuous, too, it has an inverse (the displacement contracts).
     pub stretch: Option<f64>,
@@ -47,6 +50,7 @@ impl<S: Space> Facts<S> {
             weights_follow_targets: false,
             strength_blends: true,
             weights_fade: false,
+            weights: Smoothness::Smooth,
             stretch: None,
             upright: None,
             one_to_one: None,

@@ -36,6 +36,7 @@ mod curve;
 mod deformation;
 mod engine;
 mod field;
+mod fitting;
 pub mod guarantees;
 mod inverse;
 mod marks;
@@ -62,6 +63,7 @@ pub use deformation::{
 pub use engine::map_all_parallel;
 pub use engine::{map_all, map_all_f32};
 pub use field::{Domain, Field, Smoothness, Support};
+pub use fitting::{FitError, Fitted, Pin, fit};
 pub use inverse::{Inverse, Inversion};
 pub use marks::{Mark, Role, Shape};
 pub use model::{Bounds, Site};
@@ -73,5 +75,5 @@ pub use terms::{Modulated, Term, Terms};
 pub use transformation::{Scaling, Transformation};
 pub use warp::{
     Address, Average, Condition, Influence, Influences, Warp, combine, deforming_function,
-    evaluate, evaluate_points,
+    evaluate, evaluate_points, in_force,
 };

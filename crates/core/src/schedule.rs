@@ -43,12 +43,16 @@ impl<S: Space, W: Warp<S>> Deformation<S> for Scheduled<W> {
         self.warp.domain()
     }
     fn facts(&self) -> Facts<S> {
-        // Continuity and support are those of the fields, which stay; what is known of slopes is not.
+        // Continuity and support are those of the fields, which stay; what is known of slopes is not, and weights that cancelled
+        // among equal features do not among those that are on their way.
+        let facts = self.warp.facts();
         Facts {
+            inside: facts.inside.min(facts.weights),
+            edge: facts.edge.min(facts.weights),
             stretch: None,
             upright: None,
             one_to_one: None,
-            ..self.warp.facts()
+            ..facts
         }
     }
 }

@@ -89,6 +89,7 @@ impl<S: Space> Deformation<S> for Terms<S> {
             let (s, w) = (&term.strength, &term.weight);
             facts.support = facts.support.union(s.support().intersection(w.support()));
             facts.inside = facts.inside.min(s.smoothness()).min(w.smoothness());
+            facts.weights = facts.weights.min(w.smoothness());
             facts.weights_fade &= w.smoothness() > Smoothness::Jump;
             facts.translations_only &= term.transformation.is_translation();
             facts.strength_blends &= term.transformation.is_translation()
@@ -218,6 +219,7 @@ impl<S: Space> Deformation<S> for Modulated<S> {
         }
         if let Some(weight) = &self.weight {
             facts.inside = facts.inside.min(weight.smoothness());
+            facts.weights = facts.weights.min(weight.smoothness());
             facts.weights_fade &= weight.smoothness() > Smoothness::Jump;
             // A weight that vanishes within the warp's reach leaves the rest of the average to jump.
             if !(weight.positive() && weight.support().covers(&facts.support)) {
@@ -232,6 +234,8 @@ impl<S: Space> Deformation<S> for Modulated<S> {
             }
         }
         if self.ambient.is_some() {
+            facts.inside = facts.inside.min(facts.weights);
+            facts.edge = facts.edge.min(facts.weights);
             if facts.edge == Smoothness::Jump && facts.weights_fade {
                 facts.edge = facts.inside;
             }

@@ -200,12 +200,12 @@ const LARGE: f64 = 1e290;
 /// A sum of weights below this is scaled up, because its reciprocal would overflow or lose digits.
 const SMALL: f64 = 1e-290;
 
-/// Finishes all weights and turns them into shares. Calls `term(i, affine, share)` in order for every term that counts.
-fn for_each_share<S: Space, W: Warp<S> + ?Sized>(
+/// Finishes all weights and turns them into shares. Calls `term(influence, affine, share)` in order for every term that counts.
+pub(crate) fn for_each_share<S: Space, W: Warp<S> + ?Sized>(
     warp: &W,
     point: S,
     influences: &Influences,
-    mut term: impl FnMut(&Affine<S>, f64),
+    mut term: impl FnMut(&Influence, &Affine<S>, f64),
 ) {
     let average = warp.average();
     let one_pass = |i: &Influence| {
@@ -253,42 +253,72 @@ fn for_each_share<S: Space, W: Warp<S> + ?Sized>(
         };
         let share = Shares::of(weight, &shares);
         if share != 0.0 {
-            term(&affine, share);
+            term(influence, &affine, share);
         }
+    }
+}
+
+/// The sums of eq. (3) in one pass.
+pub(crate) struct Sums<S> {
+    moved: S,
+    total: f64,
+    largest: f64,
+}
+
+impl<S: Space> Sums<S> {
+    pub(crate) const ZERO: Self = Self {
+        moved: S::ZERO,
+        total: 0.0,
+        largest: 0.0,
+    };
+
+    /// Adds a term of positive weight.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, displacement: S, weight: f64) {
+        self.moved += displacement * weight;
+        self.total += weight;
+        self.largest = self.largest.max(weight);
+    }
+
+    /// The averaged displacement; none where a weight is infinite or beyond ordinary size, which takes more care.
+    #[inline]
+    pub(crate) fn displacement(self, average: Average, log_scale: f64) -> Option<S> {
+        if self.largest == 0.0 {
+            return Some(S::ZERO);
+        }
+        let exp = crate::math::exp;
+        (SMALL..LARGE)
+            .contains(&self.largest)
+            .then(|| match (average, log_scale) {
+                (Average::Weights, _) => self.moved / self.total,
+                (Average::Plain, 0.0) => self.moved,
+                (Average::Plain, log_scale) => self.moved * exp(log_scale),
+                (Average::Ambient(ambient), 0.0) => self.moved / (self.total + ambient),
+                (Average::Ambient(ambient), log_scale) => {
+                    self.moved / (self.total + ambient * exp(-log_scale))
+                }
+            })
     }
 }
 
 /// Eq. (3) from given influences; see [`Warp::combine`].
 pub fn combine<S: Space, W: Warp<S> + ?Sized>(warp: &W, point: S, influences: &Influences) -> S {
     // One pass for the common case: finite weights of ordinary size.
-    let (mut moved, mut total, mut largest) = (S::ZERO, 0.0_f64, 0.0_f64);
+    let mut sums = Sums::ZERO;
     for influence in &influences.list {
         let displacement = warp
             .scaled(influence.address, influence.strength)
             .displacement(point);
         let weight = warp.weight(influence, displacement);
         if weight > 0.0 {
-            moved += displacement * weight;
-            total += weight;
-            largest = largest.max(weight);
+            sums.add(displacement, weight);
         }
     }
-    if largest == 0.0 {
-        return point;
-    }
-    if (SMALL..LARGE).contains(&largest) {
-        return point.moved_by(match (warp.average(), influences.log_scale) {
-            (Average::Weights, _) => moved / total,
-            (Average::Plain, 0.0) => moved,
-            (Average::Plain, log_scale) => moved * crate::math::exp(log_scale),
-            (Average::Ambient(ambient), 0.0) => moved / (total + ambient),
-            (Average::Ambient(ambient), log_scale) => {
-                moved / (total + ambient * crate::math::exp(-log_scale))
-            }
-        });
+    if let Some(displacement) = sums.displacement(warp.average(), influences.log_scale) {
+        return point.moved_by(displacement);
     }
     let mut moved = S::ZERO;
-    for_each_share(warp, point, influences, |affine, share| {
+    for_each_share(warp, point, influences, |_, affine, share| {
         moved += affine.displacement(point) * share;
     });
     point.moved_by(moved)
@@ -301,6 +331,26 @@ pub fn deforming_function<S: Space, W: Warp<S> + ?Sized>(warp: &W, site: &Site<S
     deforming_function_of(warp, site.point, &influences)
 }
 
+/// What is in force at a site: the averaged strength `Σ ŵ_i s_i`, and the sum of the weights before they are normalized.
+pub fn in_force<S: Space, W: Warp<S> + ?Sized>(warp: &W, site: &Site<S>) -> (f64, f64) {
+    let mut influences = Influences::default();
+    warp.influences(site, &mut influences);
+    let (mut strength, mut weight) = (0.0, 0.0);
+    for influence in &influences.list {
+        let affine = warp.scaled(influence.address, influence.strength);
+        weight += warp
+            .weight(influence, affine.displacement(site.point))
+            .max(0.0);
+    }
+    for_each_share(warp, site.point, &influences, |influence, _, share| {
+        strength += share * influence.strength;
+    });
+    if influences.log_scale != 0.0 {
+        weight *= crate::math::exp(influences.log_scale);
+    }
+    (strength, weight)
+}
+
 /// The deforming function from given influences.
 pub(crate) fn deforming_function_of<S: Space, W: Warp<S> + ?Sized>(
     warp: &W,
@@ -308,7 +358,7 @@ pub(crate) fn deforming_function_of<S: Space, W: Warp<S> + ?Sized>(
     influences: &Influences,
 ) -> Affine<S> {
     let (mut linear, mut translation) = (S::Linear::ZERO, S::ZERO);
-    for_each_share(warp, point, influences, |affine, share| {
+    for_each_share(warp, point, influences, |_, affine, share| {
         linear = linear + (affine.linear - S::Linear::IDENTITY) * share;
         translation += affine.translation * share;
     });

@@ -116,13 +116,13 @@ impl BindingFile {
                 let count = u32::try_from(binding.site(index).len()).unwrap_or(u32::MAX);
                 out.bytes(&count.to_le_bytes())?;
             }
-            let all = binding.influences();
-            for influence in all {
+            let all = || binding.influences();
+            for influence in all() {
                 out.bytes(&influence.address.feature.to_le_bytes())?;
             }
-            out.numbers(all.iter().map(|i| i.address.at), 0.0)?;
-            out.numbers(all.iter().map(|i| i.strength), 1.0)?;
-            out.numbers(all.iter().map(|i| i.weight), 1.0)?;
+            out.numbers(all().map(|i| i.address.at), 0.0)?;
+            out.numbers(all().map(|i| i.strength), 1.0)?;
+            out.numbers(all().map(|i| i.weight), 1.0)?;
             out.numbers((0..self.points).map(|i| binding.log_scale(i)), 0.0)?;
             let mask = warp.mask.as_deref();
             out.numbers((0..self.points).map(|i| mask.map_or(1.0, |m| m[i])), 1.0)?;
@@ -273,18 +273,14 @@ impl Cursor<'_> {
         let at = |list: &Option<Vec<f64>>, i: usize, usual: f64| {
             list.as_ref().map_or(usual, |list| list[i])
         };
-        let influences = features
-            .iter()
-            .enumerate()
-            .map(|(i, &feature)| Influence {
-                address: Address {
-                    feature,
-                    at: at(&places, i, 0.0),
-                },
-                strength: at(&strengths, i, 1.0),
-                weight: at(&weights, i, 1.0),
-            })
-            .collect();
+        let influences = features.iter().enumerate().map(|(i, &feature)| Influence {
+            address: Address {
+                feature,
+                at: at(&places, i, 0.0),
+            },
+            strength: at(&strengths, i, 1.0),
+            weight: at(&weights, i, 1.0),
+        });
         let log_scales = self.numbers(points)?.unwrap_or_default();
         let mask = self.numbers(points)?;
         let binding = Binding::from_parts(&counts, influences, log_scales).ok_or_else(damaged)?;

@@ -191,10 +191,31 @@ impl Figure {
         let mut pixels = Pixmap::new(width, height).ok_or_else(too_large)?;
         let [r, g, b] = self.ground.rgb;
         pixels.fill(Color::from_rgba8(r, g, b, 255));
+        Ok(self.painted(pixels))
+    }
+
+    /// The drawing without its ground over a picture, whose size stays.
+    ///
+    /// # Errors
+    /// [`PreviewError::Drawing`] where there is no memory for the pixels.
+    pub fn over(&self, picture: &Picture) -> Result<Picture, PreviewError> {
+        let (rgba, width, height) = picture.rgba();
+        let most = 16_384;
+        let failed = || PreviewError::Drawing {
+            width,
+            height,
+            most,
+        };
+        let mut pixels = Pixmap::new(width, height).ok_or_else(failed)?;
+        pixels.data_mut().copy_from_slice(rgba);
+        Ok(self.painted(pixels))
+    }
+
+    fn painted(&self, mut pixels: Pixmap) -> Picture {
         for item in &self.items {
             item.paint(&mut pixels);
         }
-        Ok(Picture::from_opaque(pixels.data(), width, height))
+        Picture::from_opaque(pixels.data(), pixels.width(), pixels.height())
     }
 }
 

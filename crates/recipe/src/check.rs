@@ -1,13 +1,14 @@
 //! What can be said about a recipe without constructing anything: its structure, its kinds and its keys.
 
 use crate::error::{Problem, RecipeError, quoted, shown};
+use crate::fit::FitParameters;
 use crate::keys::Walk;
 use crate::names::{nearest, suggestion};
 use crate::tree::{Part, Syntax, join};
 use crate::words::form;
 use crate::{COMMON_KEYS, Recipe, Registry};
 use anamorph_catalog::WarpEntry;
-use anamorph_catalog::schemars::SchemaGenerator;
+use anamorph_catalog::schemars::{JsonSchema, SchemaGenerator};
 use anamorph_core::Space;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -209,6 +210,7 @@ impl Recipe {
         let Schema {
             warp,
             field,
+            fit,
             definitions,
         } = schemas.of(entry);
         let mut walk = Walk::new(definitions);
@@ -222,6 +224,9 @@ impl Recipe {
             if let Some(expression) = table.get(key) {
                 walk.compare(expression, field, &join(&path, key), &[]);
             }
+        }
+        if let Some(pins) = table.get("fit") {
+            walk.compare(pins, fit, &join(&path, "fit"), &[]);
         }
         for unknown in walk.unknown {
             let part = if unknown.is_key {
@@ -316,6 +321,7 @@ struct Schema {
     /// Of its parameters; `None` for a kind that is not known.
     warp: Option<Value>,
     field: Value,
+    fit: Value,
     definitions: Map<String, Value>,
 }
 
@@ -342,6 +348,7 @@ impl<'a, S: Space> Schemas<'a, S> {
                 Schema {
                     warp: entry.map(|entry| Value::from((entry.schema)(&mut generator))),
                     field: Value::from(field(&mut generator)),
+                    fit: Value::from(FitParameters::json_schema(&mut generator)),
                     definitions: generator.take_definitions(true),
                 }
             })

@@ -2,6 +2,7 @@
 
 use crate::check::parameters;
 use crate::error::{Problem, RecipeError};
+use crate::fit::fitted;
 use crate::keys::Walk;
 use crate::time::Share;
 use crate::tree::{Part, join};
@@ -62,13 +63,8 @@ impl<S: Space> BuiltRecipe<S> {
 /// coordinates.
 pub type BoundsAfter<'a, S> = dyn FnMut(&[Arc<dyn Deformation<S>>]) -> Option<Bounds<S>> + 'a;
 
-/// What the recipe says about a warp beside the plug-in's parameters.
-#[derive(Default)]
-struct Modifiers<S: Space> {
-    strength: Option<Box<dyn Field<S>>>,
-    weight: Option<Box<dyn Field<S>>>,
-    mask: Option<Box<dyn Field<S>>>,
-}
+/// A field, if there is one.
+type Held<S> = Option<Box<dyn Field<S>>>;
 
 impl Recipe {
     /// Checks the recipe ([`Recipe::check_keys`]) and constructs its enabled warps in order.
@@ -111,15 +107,15 @@ impl Recipe {
                     here.bounds = bounds_after(&moved);
                 }
             }
-            let (built, modifiers) = construct(entry, registry, table, &here)
+            let (built, mask) = construct(entry, registry, table, &here)
                 .map_err(|error| fail(self.located(&path, error, entry)))?;
-            let warp = modulated(built.warp, modifiers.strength, modifiers.weight, table);
+            let warp: Arc<dyn Warp<S>> = Arc::from(built.warp);
             let share = self.share(table);
             let warp = match &share {
                 Some(share) if !share.blend => scheduled(warp, share),
                 _ => warp,
             };
-            let mask: Option<Arc<dyn Field<S>>> = modifiers.mask.map(Arc::from);
+            let mask: Option<Arc<dyn Field<S>>> = mask.map(Arc::from);
             let deformation: Arc<dyn Deformation<S>> = match &mask {
                 Some(mask) => Arc::new(Masked::new(
                     Box::new(Arc::clone(&warp)),
@@ -212,14 +208,14 @@ fn is_relative(table: &Map<String, Value>) -> bool {
         .any(|(key, value)| key != "label" && relative(value))
 }
 
-/// The warp and the fields of a table. Paths of errors are relative to the table.
+/// The warp of a table with its fields, and its mask. Paths of errors are relative to the table.
 fn construct<S: Space>(
     entry: &WarpEntry<S>,
     registry: &Registry<S>,
     table: &Map<String, Value>,
     context: &Context<'_, S>,
-) -> Result<(Built<S>, Modifiers<S>), ConstructError> {
-    let built = (entry.construct)(&Value::Object(parameters(table)), context)?;
+) -> Result<(Built<S>, Held<S>), ConstructError> {
+    let mut built = (entry.construct)(&Value::Object(parameters(table)), context)?;
     let field = |key: &str, fits: fn(f64) -> bool, range: &str| {
         let Some(expression) = table.get(key) else {
             return Ok(None);
@@ -233,23 +229,28 @@ fn construct<S: Space>(
             None => Ok(Some(field)),
         }
     };
-    let modifiers = Modifiers {
-        strength: field("strength", f64::is_finite, "finite")?,
-        weight: field("weight", |w| w >= 0.0 && w.is_finite(), "0 or more")?,
-        mask: field("mask", |m| (0.0..=1.0).contains(&m), "from 0 to 1")?,
+    let mut finish = |warp: Box<dyn Warp<S>>| -> Result<Box<dyn Warp<S>>, ConstructError> {
+        let strength = field("strength", f64::is_finite, "finite")?;
+        let weight = field("weight", |w| w >= 0.0 && w.is_finite(), "0 or more")?;
+        Ok(modulated(warp, strength, weight, table))
     };
-    Ok((built, modifiers))
+    match table.get("fit") {
+        Some(pins) => built = fitted(pins, entry.kind, built, context, &mut finish)?,
+        None => built.warp = finish(built.warp)?,
+    }
+    let mask = field("mask", |m| (0.0..=1.0).contains(&m), "from 0 to 1")?;
+    Ok((built, mask))
 }
 
 fn modulated<S: Space>(
     warp: Box<dyn Warp<S>>,
-    strength: Option<Box<dyn Field<S>>>,
-    weight: Option<Box<dyn Field<S>>>,
+    strength: Held<S>,
+    weight: Held<S>,
     table: &Map<String, Value>,
-) -> Arc<dyn Warp<S>> {
+) -> Box<dyn Warp<S>> {
     let ambient = table.get("ambient").and_then(Value::as_f64);
     if strength.is_none() && weight.is_none() && ambient.is_none() {
-        return Arc::from(warp);
+        return warp;
     }
     let mut modulated = Modulated::new(warp);
     if let Some(field) = strength {
@@ -261,7 +262,7 @@ fn modulated<S: Space>(
     if let Some(ambient) = ambient {
         modulated = modulated.with_ambient(ambient);
     }
-    Arc::new(modulated)
+    Box::new(modulated)
 }
 
 /// The warp with its strengths multiplied by how much of it is in force: ways 2 and 3 of §8.1, which coincide.

@@ -6,6 +6,8 @@ use std::fmt;
 const SHOWN: usize = 10;
 /// Characters of a message that are shown, so that a megabyte of garbage in a value stays out of it.
 const MESSAGE: usize = 600;
+/// How the origin of a value ends that a track has set.
+pub(crate) const OF_TRACK: &str = " of its track";
 /// Characters of a path that are shown.
 const PATH: usize = 200;
 
@@ -19,7 +21,8 @@ pub enum Place {
         /// Column, counted in characters from 1; a tab is one character.
         column: usize,
     },
-    /// In a value given to [`Recipe::set`](crate::Recipe::set); the text is its argument.
+    /// In a value given to [`Recipe::set`](crate::Recipe::set), the text is its argument; or in one that a track has set, the text says
+    /// which and when.
     Setting(String),
 }
 
@@ -97,6 +100,9 @@ impl fmt::Display for RecipeError {
             }
             match &problem.place {
                 Place::File { line, column } => write!(f, "{}:{line}:{column}: ", self.name)?,
+                Place::Setting(origin) if origin.ends_with(OF_TRACK) => {
+                    write!(f, "{}: {origin}: ", self.name)?;
+                }
                 Place::Setting(argument) => write!(f, "{}: --set {argument}: ", self.name)?,
             }
             if !problem.path.is_empty() {

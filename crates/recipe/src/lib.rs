@@ -25,6 +25,7 @@
 mod check;
 mod construct;
 mod error;
+mod fit;
 mod json;
 mod keys;
 mod motion;

@@ -37,6 +37,6 @@ pub struct Registry<S: Space> {
 }
 
 /// The keys that a warp of any kind has, beside `kind`. A plug-in's parameters must have other names.
-pub const COMMON_KEYS: [&str; 8] = [
-    "label", "enabled", "strength", "weight", "mask", "ambient", "scaling", "schedule",
+pub const COMMON_KEYS: [&str; 9] = [
+    "label", "enabled", "strength", "weight", "mask", "ambient", "scaling", "schedule", "fit",
 ];

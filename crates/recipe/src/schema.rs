@@ -5,9 +5,10 @@
 
 use crate::Registry;
 use crate::check::{MAPPINGS, SCALING, SPACES};
+use crate::fit::FitParameters;
 use crate::time::WAYS;
-use anamorph_catalog::schemars::SchemaGenerator;
 use anamorph_catalog::schemars::generate::SchemaSettings;
+use anamorph_catalog::schemars::{JsonSchema, SchemaGenerator};
 use anamorph_core::{Plane, Solid, Space};
 use serde_json::{Map, Value, json};
 
@@ -36,10 +37,11 @@ pub fn schema(plane: &Registry<Plane>, solid: &Registry<Solid>) -> Value {
     describe(solid, &mut generator, &mut kinds);
     describe(plane, &mut generator, &mut kinds);
 
+    let fit = Value::from(FitParameters::json_schema(&mut generator));
     let mut definitions = generator.take_definitions(true);
     let field = unused(&definitions, "field-expression");
     definitions.insert(field.clone(), either(fields));
-    let common = common(&format!("#/$defs/{field}"));
+    let common = common(&format!("#/$defs/{field}"), fit);
     let mut list = Vec::new();
     for (description, parameters) in kinds {
         let tables = parameters
@@ -124,7 +126,7 @@ pub fn schema(plane: &Registry<Plane>, solid: &Registry<Solid>) -> Value {
 }
 
 fn ease_schema() -> Value {
-    json!({ "description": "an ease, such as \"smooth\" or \"cubic-bezier(0.4, 0, 0.2, 1)\"; even if left out", "type": "string" })
+    json!({ "description": "an ease, such as \"cubic\" or \"cubic-bezier(0.4, 0, 0.2, 1)\"; even if left out", "type": "string" })
 }
 
 /// The schema of a schedule; of a whole warp's it has a list for single features.
@@ -203,7 +205,7 @@ fn unused(definitions: &Map<String, Value>, name: &str) -> String {
 }
 
 /// Schemas of the keys of every warp.
-fn common(field: &str) -> Map<String, Value> {
+fn common(field: &str, fit: Value) -> Map<String, Value> {
     let field = |description: &str| json!({ "description": description, "$ref": field });
     let mut map = Map::new();
     let mut put = |key: &str, schema| map.insert(key.to_owned(), schema);
@@ -246,6 +248,7 @@ fn common(field: &str) -> Map<String, Value> {
         }),
     );
     put("schedule", schedule(true));
+    put("fit", fit);
     map
 }
 

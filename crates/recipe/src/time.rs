@@ -8,8 +8,8 @@
 //! F19; *Interpolation Techniques*, chapter 2 ("articulation variables": any parameter over time). The notation is a decision.
 
 use crate::Recipe;
-use crate::error::{Problem, RecipeError, quoted};
-use crate::names::suggestion;
+use crate::error::{OF_TRACK, Problem, RecipeError, quoted};
+use crate::names::{nearest, suggestion};
 use crate::set::{put, words};
 use crate::tree::{Part, join};
 use crate::words::form;
@@ -69,7 +69,7 @@ impl Recipe {
             let path = format!("track.{number}");
             let value = self.track_value(&path, track, time)?;
             let target = track.get("set").and_then(Value::as_str).unwrap_or_default();
-            let origin: Arc<str> = format!("{target} at time {time} of its track").into();
+            let origin: Arc<str> = format!("{target} at time {time}{OF_TRACK}").into();
             put(
                 &mut recipe.tree,
                 &mut recipe.spans,
@@ -117,6 +117,7 @@ impl Recipe {
                 for (number, track) in list.iter().enumerate() {
                     self.check_track(&format!("track.{number}"), track, problems);
                 }
+                self.check_rivals(problems);
             }
             Some(other) => {
                 let message = format!("`track` is a list of tables, and this is {}", form(other));
@@ -128,6 +129,12 @@ impl Recipe {
             if let Some(schedule) = table.get("schedule") {
                 let path = format!("warp.{number}.schedule");
                 self.check_schedule(&path, schedule, true, problems);
+                if self.way() == Some(WAYS[0]) && schedule.get("features").is_some() {
+                    let message = "the way `result` blends the warped model as a whole, not feature by feature";
+                    let hint = "take another `way` under [time], or leave out `features`";
+                    let at = join(&path, "features");
+                    problems.push(self.problem(&at, Part::Key, message, hint));
+                }
             }
         }
     }
@@ -152,7 +159,21 @@ impl Recipe {
             return;
         };
         if let Err(message) = ease(Some(value)) {
-            let hint = "`anamorph list eases` names them all";
+            let all = "`anamorph list eases` names them all";
+            // The nearest name is of more use than all of them.
+            let (message, near) = match message.split_once("; there are:") {
+                Some((short, _)) => {
+                    let names = eases::registry().iter().map(|entry| entry.name);
+                    (
+                        short.to_owned(),
+                        nearest(value.as_str().unwrap_or_default(), names),
+                    )
+                }
+                None => (message, None),
+            };
+            let hint = near.map_or(all.to_owned(), |name| {
+                format!("did you mean `{name}`? {all}")
+            });
             problems.push(self.problem(&join(path, "ease"), Part::Value, message, hint));
         }
     }
@@ -164,6 +185,49 @@ impl Recipe {
             let hint = "write \"result\", \"transformations\" or \"strengths\"; targets move by a [[track]]";
             problems.push(self.problem("time.way", Part::Value, message, hint));
         }
+    }
+
+    fn way(&self) -> Option<&str> {
+        let time = self.tree.get("time").and_then(Value::as_object);
+        time.and_then(|t| t.get("way")).and_then(Value::as_str)
+    }
+
+    /// Tracks that set one value, or a value and something inside of it.
+    fn check_rivals(&self, problems: &mut Vec<Problem>) {
+        let mut seen: Vec<(usize, Vec<&str>)> = Vec::new();
+        for (number, track) in self.tracks() {
+            let Some(set) = track.get("set").and_then(Value::as_str) else {
+                continue;
+            };
+            let path = words(set);
+            let rival = seen.iter().find(|(_, other)| {
+                let common = path.len().min(other.len());
+                path[..common] == other[..common]
+            });
+            if let Some((rival, _)) = rival {
+                let message = format!("track {rival} sets this value, too");
+                let hint = "set each value by one track";
+                let at = format!("track.{number}.set");
+                problems.push(self.problem(&at, Part::Value, message, hint));
+            }
+            seen.push((number, path));
+        }
+    }
+
+    /// The recipe at every time at which a track has a key, to be checked like any other: its first and last times among them.
+    ///
+    /// # Errors
+    ///
+    /// As [`Recipe::at`].
+    pub fn at_keys(&self) -> Result<Vec<Self>, RecipeError> {
+        let keys = self
+            .tracks()
+            .filter_map(|(_, track)| track.get("keys")?.as_array());
+        let times = keys.flatten().filter_map(|key| key.get(0)?.as_f64());
+        let mut times: Vec<f64> = times.chain([0.0, 1.0]).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times.into_iter().map(|time| self.at(time)).collect()
     }
 
     fn check_track(&self, path: &str, track: &Value, problems: &mut Vec<Problem>) {
@@ -333,8 +397,7 @@ impl Recipe {
     pub(crate) fn share(&self, table: &Map<String, Value>) -> Option<Share> {
         let time = self.time?;
         let common = self.tree.get("time").and_then(Value::as_object);
-        let way = common.and_then(|t| t.get("way")).and_then(Value::as_str);
-        let blend = way == Some(WAYS[0]);
+        let blend = self.way() == Some(WAYS[0]);
         let schedule = table.get("schedule").and_then(Value::as_object);
         let Some(schedule) = schedule else {
             // Tracks are a clock of their own.
@@ -403,6 +466,16 @@ fn unit(text: &str) -> Option<(f64, &str)> {
     number.is_finite().then_some((number, text[end..].trim()))
 }
 
+/// A unit of angles as a share of a turn.
+fn turn(unit: &str) -> Option<f64> {
+    match unit {
+        "turn" => Some(1.0),
+        "deg" => Some(1.0 / 360.0),
+        "rad" => Some(1.0 / core::f64::consts::TAU),
+        _ => None,
+    }
+}
+
 /// The value between two of one form: numbers, numbers with one unit, lists and tables of them; of anything else the first.
 fn between(a: &Value, b: &Value, share: f64) -> Result<Value, String> {
     let mix = |a: f64, b: f64| {
@@ -414,7 +487,14 @@ fn between(a: &Value, b: &Value, share: f64) -> Result<Value, String> {
             a + (b - a) * share
         }
     };
-    let unlike = || format!("{} does not go over into {}", form(a), form(b));
+    let unlike = || match (a, b) {
+        (Value::Array(x), Value::Array(y)) => format!(
+            "a list of {} does not go over into a list of {}",
+            x.len(),
+            y.len()
+        ),
+        _ => format!("{} does not go over into {}", form(a), form(b)),
+    };
     match (a, b) {
         (Value::Number(x), Value::Number(y)) => {
             let (x, y) = x.as_f64().zip(y.as_f64()).ok_or_else(unlike)?;
@@ -424,6 +504,11 @@ fn between(a: &Value, b: &Value, share: f64) -> Result<Value, String> {
             (Some((x, of)), Some((y, other))) if of == other => {
                 Ok(Value::from(format!("{}{of}", mix(x, y))))
             }
+            (Some((x, of)), Some((y, other))) if turn(of).zip(turn(other)).is_some() => {
+                let turns = |of| turn(of).unwrap_or(1.0);
+                let here = y * turns(other) / turns(of);
+                Ok(Value::from(format!("{}{of}", mix(x, here))))
+            }
             (None, None) => Ok(a.clone()),
             _ => Err(format!(
                 "{} and {} have different units",
@@ -431,6 +516,18 @@ fn between(a: &Value, b: &Value, share: f64) -> Result<Value, String> {
                 quoted(y)
             )),
         },
+        // Nothing is nothing in any unit.
+        (Value::Number(x), Value::String(text)) | (Value::String(text), Value::Number(x))
+            if x.as_f64() == Some(0.0) && unit(text).is_some() =>
+        {
+            let (size, of) = unit(text).unwrap_or_default();
+            let (from, to) = if a.is_number() {
+                (0.0, size)
+            } else {
+                (size, 0.0)
+            };
+            Ok(Value::from(format!("{}{of}", mix(from, to))))
+        }
         (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
             let each = x.iter().zip(y).map(|(a, b)| between(a, b, share));
             Ok(Value::Array(each.collect::<Result<_, _>>()?))

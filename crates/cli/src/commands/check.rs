@@ -139,7 +139,7 @@ fn compare<S: ModelSpace>(
     let [first, second] = recipes;
     let (a, points, _) = built_for::<S>(first.0, first.1, options, document)?;
     let (b, _, _) = built_for::<S>(second.0, second.1, options, document)?;
-    let points = super::promises::sample(&points);
+    let points = super::promises::examined(&points);
     let found: Guarantee<S> = commutation(&a.stack(), &b.stack(), &points, size(&points));
     let names = [files::shown(first.0), files::shown(second.0)];
     let text = format!("{} and {}\n{}", names[0], names[1], line(&found));

@@ -2,15 +2,17 @@
 
 use crate::model::ModelSpace;
 use anamorph_core::guarantees::{
-    Guarantee, Property, Verdict, ambient_repair, commutation, continuity_of, coverage,
-    interpolation_of, invertibility, no_fold, safe_strength, undecided,
+    Guarantee, ON_THE_MODEL, Property, Verdict, ambient_repair, commutation, continuity_of,
+    coverage, disagreement, interpolation_of, invertibility, no_fold, safe_strength, undecided,
 };
-use anamorph_core::{Deformation, Domain, Smoothness, Warp};
+use anamorph_core::{Deformation, Domain, Smoothness, Warp, map_all_parallel};
 use anamorph_recipe::{BuiltPart, BuiltRecipe};
 use serde_json::{Value, json};
 
 /// Points at which Jacobians are examined, at most; a larger model is sampled evenly.
 const EXAMINED: usize = 6_000;
+/// Points that are asked whether they feel a feature, at most.
+const ASKED: usize = 200_000;
 
 /// The promises of one deformation.
 pub(crate) struct Promises<S> {
@@ -31,11 +33,13 @@ pub(crate) fn promises<S: ModelSpace>(
     points: &[S],
     size: f64,
 ) -> Vec<Promises<S>> {
-    let mut here = sample(points);
+    let mut here = sample(points, EXAMINED);
     let original = here.clone();
+    let mut asked = sample(points, ASKED);
     let mut all = Vec::new();
     for (number, part) in built.parts.iter().enumerate() {
-        let mut guarantees = of_part(part, &here, size);
+        let covered = coverage(&part.warp, &asked, points.len().max(asked.len()));
+        let mut guarantees = of_part(part, covered, &here, size);
         if let Some(next) = built.parts.get(number + 1) {
             let name = format!("with the next warp, {}", next.title());
             let mut found = commutation(&part.deformation, &next.deformation, &here, size);
@@ -47,11 +51,14 @@ pub(crate) fn promises<S: ModelSpace>(
             title: part.title().to_owned(),
             kind: part.kind.to_owned(),
             guarantees,
-            notes: part.deformation.facts().notes,
+            notes: notes(part),
             domain: part.deformation.domain(),
         });
         let _ = part.deformation.map_points(0, &mut here);
         here.retain(|p| p.is_finite());
+        if number + 1 < built.parts.len() {
+            let _ = map_all_parallel(&part.deformation, &mut asked, &|_| {});
+        }
     }
     if built.parts.len() != 1 {
         let stack = built.stack();
@@ -75,8 +82,33 @@ pub(crate) fn promises<S: ModelSpace>(
     all
 }
 
+/// What a part has to say beside its promises.
+fn notes<S: ModelSpace>(part: &BuiltPart<S>) -> Vec<String> {
+    let mut notes = part.deformation.facts().notes;
+    if let Some((one, other, place)) = disagreement(&part.warp.conditions()) {
+        notes.push(format!(
+            "features {one} and {other} both begin at {} and go to different places: their average is taken there",
+            shown(place)
+        ));
+    }
+    notes
+}
+
+/// A place in a sentence.
+fn shown<S: ModelSpace>(place: S) -> String {
+    let numbers: Vec<String> = (0..S::DIM)
+        .map(|axis| short(place.component(axis)))
+        .collect();
+    format!("({})", numbers.join(", "))
+}
+
 /// The promises of one part, with what would repair it.
-fn of_part<S: ModelSpace>(part: &BuiltPart<S>, points: &[S], size: f64) -> Vec<Guarantee<S>> {
+fn of_part<S: ModelSpace>(
+    part: &BuiltPart<S>,
+    covered: Guarantee<S>,
+    points: &[S],
+    size: f64,
+) -> Vec<Guarantee<S>> {
     let interpolation = interpolation_of(&part.deformation, &part.warp.conditions(), size);
     let mut continuous = continuity_of(&part.deformation, points, size);
     if part.deformation.facts().smoothness() == Smoothness::Jump
@@ -106,7 +138,7 @@ fn of_part<S: ModelSpace>(part: &BuiltPart<S>, points: &[S], size: f64) -> Vec<G
     }
     vec![
         interpolation,
-        coverage(&part.warp, points),
+        covered,
         continuous,
         fold,
         invertibility(&part.deformation, folds, points, size),
@@ -119,8 +151,12 @@ fn short(value: f64) -> String {
 }
 
 /// Points spread over a model, few enough to be examined one by one.
-pub(crate) fn sample<S: ModelSpace>(points: &[S]) -> Vec<S> {
-    let step = points.len().div_ceil(EXAMINED).max(1);
+pub(crate) fn examined<S: ModelSpace>(points: &[S]) -> Vec<S> {
+    sample(points, EXAMINED)
+}
+
+fn sample<S: ModelSpace>(points: &[S], most: usize) -> Vec<S> {
+    let step = points.len().div_ceil(most).max(1);
     let finite = points.iter().copied().filter(|p| p.is_finite());
     finite.step_by(step).collect()
 }
@@ -131,16 +167,24 @@ pub(crate) fn fold<S: ModelSpace>(
     points: &[S],
     size: f64,
 ) -> Option<String> {
-    let guarantee = no_fold(&built.stack(), &sample(points), size);
+    let points = examined(points);
+    let guarantee = no_fold(&built.stack(), &points, size);
     let witness = guarantee.witness?;
     (guarantee.verdict == Verdict::Refuted).then(|| {
-        let place: Vec<String> = (0..S::DIM)
-            .map(|axis| crate::files::short(witness.place.component(axis)))
-            .collect();
-        format!(
-            "it folds over, first seen at ({}) of the original",
-            place.join(", ")
-        )
+        let place = shown(witness.place);
+        let mut named = guarantee.details.iter();
+        let on_the_model = named.find(|(name, _)| *name == ON_THE_MODEL);
+        match on_the_model {
+            Some((_, sentence)) if sentence.starts_with("none") => {
+                let away = points.iter().map(|p| p.distance(witness.place));
+                format!(
+                    "the space about the model folds over, at {place}, {} from the nearest point looked at; {sentence}",
+                    short(away.fold(f64::INFINITY, f64::min))
+                )
+            }
+            Some((_, sentence)) => format!("it folds over, worst at {place} of the original: {sentence}"),
+            None => format!("it folds over, worst at {place} of the original"),
+        }
     })
 }
 

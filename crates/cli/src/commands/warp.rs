@@ -10,6 +10,7 @@ use crate::error::{Failure, say};
 use crate::files::{self, Pending};
 use crate::meshes::RecipeFiles;
 use crate::model::{self, ModelSpace};
+use crate::painted::Painted;
 use crate::picture;
 use crate::progress::Progress;
 use anamorph_core::{
@@ -425,10 +426,16 @@ fn warp_document<S: ModelSpace>(
         let mut taken = run.taken.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(taken.insert(files::identity(target)))
     })?;
+    let mut painted = None;
     if let (Some(file), Some(path)) = (&mut preview_file, &job.preview) {
         let kind = picture::Kind::of(path, options.turntable)?;
         let (before, after) = (&rest[..visible], &moved[..visible]);
+        if let Some(field) = options.preview_field {
+            let numbers = Painted::new(field, &built, &stack, before, after, size)?;
+            painted = Some(numbers);
+        }
         let subject = picture::Subject::new(document, before, after, &built);
+        let subject = subject.painted(painted.as_ref());
         let mut failed = None;
         file.fill(|out| {
             failed = subject.write(&options.view, kind, out).err();
@@ -547,6 +554,9 @@ fn warp_document<S: ModelSpace>(
             }
         }
         copies.print();
+        if let Some(painted) = &painted {
+            say!("  {}", painted.sentence());
+        }
         if let Some(undone) = &undone {
             undone.print();
         }

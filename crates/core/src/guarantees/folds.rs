@@ -10,6 +10,10 @@
 use super::{Guarantee, Property, Verdict, Witness, rounded};
 use crate::{Bounds, Deformation, Linear, Modulated, Site, Space, Warp};
 
+/// The detail of a fold that says what it does to the model itself.
+pub const ON_THE_MODEL: &str = "on the model";
+/// Determinants within this share of what they could be are rounding.
+const FLAT: f64 = 1e-9;
 /// Places from which the search goes downhill.
 const STARTS: usize = 8;
 /// Halvings of the search's step.
@@ -50,21 +54,35 @@ pub fn no_fold<S: Space, D: Deformation<S> + ?Sized>(
         return unknown("depends on a field that lives on the model: there is no Jacobian");
     }
     let proof = deformation.facts().upright();
-    let worst = worst(deformation, points, size);
+    let (worst, turned) = worst(deformation, points, size);
     let Some(at_worst) = worst.first().copied() else {
         return unknown("no Jacobian could be measured");
     };
     if at_worst.value <= 0.0 {
-        let statement = format!(
-            "folds: the Jacobian determinant is {}",
-            rounded(at_worst.value)
-        );
+        let statement = if is_flat(deformation, at_worst, size) {
+            "presses flat: the Jacobian determinant is 0 but for rounding".to_owned()
+        } else {
+            let value = rounded(at_worst.value);
+            format!("folds: the Jacobian determinant is {value}")
+        };
+        let on_the_model = match turned {
+            0 => format!(
+                "none of the {} points looked at is turned over",
+                points.len()
+            ),
+            1 => format!("1 of the {} points looked at is turned over", points.len()),
+            turned => format!(
+                "{turned} of the {} points looked at are turned over",
+                points.len()
+            ),
+        };
         return Guarantee::new(
             Property::NoFold,
             Verdict::Refuted,
             statement,
             Some(at_worst),
-        );
+        )
+        .with_detail(ON_THE_MODEL, on_the_model);
     }
     let smallest = rounded(at_worst.value);
     match proof {
@@ -83,12 +101,26 @@ pub fn no_fold<S: Space, D: Deformation<S> + ?Sized>(
     }
 }
 
-/// The places with the smallest determinants, the smallest first, after a search downhill.
+/// Whether a determinant that is not positive is nothing but rounding of a map that presses space flat.
+fn is_flat<S: Space, D: Deformation<S> + ?Sized>(
+    deformation: &D,
+    at: Witness<S>,
+    size: f64,
+) -> bool {
+    let jacobian = deformation.jacobian(&Site::anywhere(at.place), size);
+    jacobian.is_some_and(|j| {
+        let volume: f64 = (0..S::DIM).map(|i| j.column(i).length()).product();
+        at.value.abs() <= FLAT * volume
+    })
+}
+
+/// The places with the smallest determinants, the smallest first, after a search downhill, and how many of the points
+/// themselves are turned over.
 fn worst<S: Space, D: Deformation<S> + ?Sized>(
     deformation: &D,
     points: &[S],
     size: f64,
-) -> Vec<Witness<S>> {
+) -> (Vec<Witness<S>>, usize) {
     let mut found: Vec<Witness<S>> = points
         .iter()
         .enumerate()
@@ -98,9 +130,10 @@ fn worst<S: Space, D: Deformation<S> + ?Sized>(
         })
         .collect();
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let turned = found.partition_point(|w| w.value <= 0.0);
     found.truncate(STARTS);
     let Some(bounds) = Bounds::of(points) else {
-        return found;
+        return (found, turned);
     };
     // About the distance between neighbours among the points.
     #[allow(clippy::cast_precision_loss)]
@@ -128,7 +161,7 @@ fn worst<S: Space, D: Deformation<S> + ?Sized>(
         }
     }
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
-    found
+    (found, turned)
 }
 
 /// The strength, from 0 to 1, up to which no fold was found when all strengths of a warp are multiplied by it; `None` where even the
@@ -138,8 +171,11 @@ pub fn safe_strength<S: Space, W: Warp<S> + Clone + 'static>(
     points: &[S],
     size: f64,
 ) -> Option<f64> {
-    let mut places = worst(warp, points, size);
-    if places.first().is_none_or(|w| w.value > 0.0) {
+    let (mut places, _) = worst(warp, points, size);
+    if places
+        .first()
+        .is_none_or(|w| w.value > 0.0 || is_flat(warp, *w, size))
+    {
         return None;
     }
     // At a smaller strength another place may be the worst: try many.

@@ -9,7 +9,7 @@ mod inversion;
 mod jumps;
 
 pub use commutation::commutation;
-pub use folds::{no_fold, safe_strength};
+pub use folds::{ON_THE_MODEL, no_fold, safe_strength};
 pub use inversion::invertibility;
 pub use jumps::{ambient_repair, continuity_of};
 
@@ -202,7 +202,13 @@ pub fn continuity<S: Space, D: Deformation<S> + ?Sized>(deformation: &D) -> Guar
 }
 
 /// Whether every point of a model is told where to go: where all weights vanish, the model stays behind (errata F4, F14).
-pub fn coverage<S: Space, W: Warp<S> + ?Sized>(warp: &W, points: &[S]) -> Guarantee<S> {
+///
+/// `whole` is the number of the model's points: where fewer are given, all of which feel a feature, nothing is proved of the rest.
+pub fn coverage<S: Space, W: Warp<S> + ?Sized>(
+    warp: &W,
+    points: &[S],
+    whole: usize,
+) -> Guarantee<S> {
     let mut list = Influences::default();
     let (mut uncovered, mut first) = (0_usize, None);
     for (index, &place) in points.iter().enumerate() {
@@ -219,14 +225,42 @@ pub fn coverage<S: Space, W: Warp<S> + ?Sized>(warp: &W, points: &[S]) -> Guaran
         let statement = "not examined: no points were given";
         return Guarantee::new(Property::Coverage, Verdict::Unknown, statement, None);
     }
+    if uncovered == 0 && count < whole {
+        let statement =
+            format!("the {count} points looked at feel a feature, of {whole} of the model");
+        return Guarantee::new(Property::Coverage, Verdict::Unknown, statement, None);
+    }
     if uncovered == 0 {
         let statement = format!("all {count} points of the model feel a feature");
         return Guarantee::new(Property::Coverage, Verdict::Proved, statement, None);
     }
-    let statement = format!(
-        "{uncovered} of {count} points of the model feel no feature and stay where they are"
-    );
+    let of = if count < whole {
+        "points looked at"
+    } else {
+        "points of the model"
+    };
+    let statement = format!("{uncovered} of {count} {of} feel no feature and stay where they are");
     Guarantee::new(Property::Coverage, Verdict::Refuted, statement, first)
+}
+
+/// Two features that have a source point in common and take it to different places, if there are any: neither is met there, but their
+/// average. The first such pair in the order of the conditions, and the point.
+pub fn disagreement<S: Space>(conditions: &[Condition<S>]) -> Option<(u32, u32, S)> {
+    let mut order: Vec<&Condition<S>> = conditions.iter().collect();
+    let compare = |a: S, b: S| {
+        let axes = (0..S::DIM).map(|axis| a.component(axis).total_cmp(&b.component(axis)));
+        axes.fold(core::cmp::Ordering::Equal, core::cmp::Ordering::then)
+    };
+    order.sort_by(|a, b| compare(a.source, b.source));
+    let pairs = order.windows(2).filter(|pair| {
+        let [a, b] = [pair[0], pair[1]];
+        a.source == b.source && a.target != b.target && a.feature != b.feature
+    });
+    let named = pairs.map(|pair| {
+        let (a, b) = (pair[0].feature, pair[1].feature);
+        (a.min(b), a.max(b), pair[0].source)
+    });
+    named.min_by_key(|(a, b, _)| (*a, *b))
 }
 
 /// Interpolation by measuring every condition the warp names (errata F15). `size` is the model's size in scene units; an
@@ -273,10 +307,14 @@ pub fn interpolation_of<S: Space, D: Deformation<S> + ?Sized>(
             Some(witness),
         );
     }
-    let statement = format!(
-        "approximate: feature {feature} misses its target by {}",
-        rounded(witness.value)
-    );
+    let statement = if witness.value.is_finite() {
+        let miss = rounded(witness.value);
+        format!("approximate: feature {feature} misses its target by {miss}")
+    } else {
+        format!(
+            "feature {feature} goes to a place that is not finite: its numbers are too large or too small"
+        )
+    };
     Guarantee::new(
         Property::Interpolation,
         Verdict::Refuted,

@@ -65,10 +65,10 @@ fn shift<S: Space>(value: &Value, context: &Context<'_, S>) -> Result<Built<S>, 
     let angle = parameters.angle.map_or(0.0, Angle::radians);
     let turn = Affine::new(S::rotation(S::unit(S::DIM - 1), angle), S::ZERO);
     let map = turn.after(&Affine::translation(offset));
-    Ok(Built {
-        warp: Box::new(Terms::new(vec![Term::new(map, 1.0, 1.0)])),
-        marks: vec![Mark::new(Role::Source, Shape::Arrow(S::ZERO, offset))],
-    })
+    Ok(Built::new(
+        vec![Mark::new(Role::Source, Shape::Arrow(S::ZERO, offset))],
+        Box::new(Terms::new(vec![Term::new(map, 1.0, 1.0)])),
+    ))
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -89,10 +89,10 @@ fn grow<S: Space>(value: &Value, context: &Context<'_, S>) -> Result<Built<S>, C
     let scale = |x: S| x * parameters.factor;
     let linear = <S::Linear as anamorph_core::Linear<S>>::from_columns(|i| scale(S::unit(i)));
     let map = Affine::new(linear, centre - scale(centre));
-    Ok(Built {
-        warp: Box::new(Terms::new(vec![Term::new(map, 1.0, 1.0)])),
-        marks: Vec::new(),
-    })
+    Ok(Built::new(
+        Vec::new(),
+        Box::new(Terms::new(vec![Term::new(map, 1.0, 1.0)])),
+    ))
 }
 
 /// Two ways to write one warp: a schema that is no plain table.
@@ -109,10 +109,10 @@ fn turn<S: Space>(value: &Value, _: &Context<'_, S>) -> Result<Built<S>, Constru
         Turn::Slope { rise, run } => anamorph_core::math::atan2(rise, run),
     };
     let map = Affine::new(S::rotation(S::unit(S::DIM - 1), angle), S::ZERO);
-    Ok(Built {
-        warp: Box::new(Terms::new(vec![Term::new(map, 1.0, 1.0)])),
-        marks: Vec::new(),
-    })
+    Ok(Built::new(
+        Vec::new(),
+        Box::new(Terms::new(vec![Term::new(map, 1.0, 1.0)])),
+    ))
 }
 
 struct Radial<S> {

@@ -195,10 +195,7 @@ impl<S: Space> Resolved<S> {
         let warp = warp.map_err(|error| ConstructError::new("", error.to_string()))?;
         let margin = 0.1 * self.length();
         let marks = warp.marks(self.range.min() - margin, self.range.max() + margin);
-        Ok(Built {
-            warp: Box::new(warp),
-            marks,
-        })
+        Ok(Built::new(marks, Box::new(warp)))
     }
 }
 

@@ -195,12 +195,17 @@ pub(crate) fn points<S: Space>() -> WarpEntry<S> {
                 "add a table `[[warp.point]]` with `from` and `to`, or name files as `source` and `target`",
             ));
         }
-        let warp =
-            PointWarp::construct(pairs).map_err(|error| located("point", from_files, &error))?;
-        Ok(Built {
-            marks: warp.marks(),
-            warp: Box::new(warp),
-        })
+        let count = pairs.len();
+        let built = move |changes: &[S]| {
+            let mut pairs = pairs.clone();
+            for ((pair, _), change) in pairs.iter_mut().zip(changes) {
+                pair.target += *change;
+            }
+            let warp = PointWarp::construct(pairs)
+                .map_err(|error| located("point", from_files, &error))?;
+            Ok(Built::new(warp.marks(), Box::new(warp)))
+        };
+        Ok(built(&vec![S::ZERO; count])?.fitted_by(count, built))
     }
     WarpEntry {
         kind: "points",
@@ -404,10 +409,7 @@ pub(crate) fn frames<S: Rotational>() -> WarpEntry<S> {
         let length = context
             .bounds
             .map_or(1.0, |bounds| 0.15 * bounds.diagonal());
-        Ok(Built {
-            marks: warp.marks(length),
-            warp: Box::new(warp),
-        })
+        Ok(Built::new(warp.marks(length), Box::new(warp)))
     }
     WarpEntry {
         kind: "frames",
@@ -470,10 +472,7 @@ pub(crate) fn vortex<S: Space>() -> WarpEntry<S> {
         let scaling = context.scaling.unwrap_or(Scaling::Composition);
         let warp = Vortex::construct(centre, axis, p.angle.radians(), radius, falloff, scaling)
             .map_err(|error| located("", 0, &error))?;
-        Ok(Built {
-            marks: warp.marks(),
-            warp: Box::new(warp),
-        })
+        Ok(Built::new(warp.marks(), Box::new(warp)))
     }
     WarpEntry {
         kind: "vortex",

@@ -177,20 +177,22 @@ fn displaced<S: Space, L: PointLattice<S> + 'static>(
     kind: CageKind,
     moves: &[MoveParameters],
     context: &Context<'_, S>,
-    construct: impl Fn(Grid<S>, Vec<S>) -> Result<L, LatticeError>,
+    construct: impl Fn(Grid<S>, Vec<S>) -> Result<L, LatticeError> + 'static,
 ) -> Result<Built<S>, ConstructError> {
     let Placed { grid, rest, target } = placement.place(kind, context)?;
     let targets = edit(&grid, &rest, target, moves, context)?;
-    let displacements = targets
+    let displacements: Vec<S> = targets
         .iter()
         .zip(&rest)
         .map(|(&target, &rest)| target - rest)
         .collect();
-    let warp = construct(grid, displacements).map_err(|error| located(&error))?;
-    Ok(Built {
-        marks: warp.marks(),
-        warp: Box::new(warp),
-    })
+    let built = move |changes: &[S]| {
+        let moved = displacements.iter().zip(changes).map(|(&d, &c)| d + c);
+        let warp = construct(grid.clone(), moved.collect()).map_err(|error| located(&error))?;
+        Ok(Built::new(warp.marks(), Box::new(warp)))
+    };
+    let unchanged = vec![S::ZERO; rest.len()];
+    Ok(built(&unchanged)?.fitted_by(rest.len(), built))
 }
 
 /// A box of control points; moving them moves the model inside by Bernstein polynomials.
@@ -327,7 +329,9 @@ pub(crate) fn spline_lattice<S: Space>() -> WarpEntry<S> {
             kind,
             &p.moves,
             context,
-            |grid, displacements| BsplineLattice::construct(grid, degree, knots, displacements),
+            move |grid, displacements| {
+                BsplineLattice::construct(grid, degree, knots, displacements)
+            },
         )
     }
     WarpEntry {
@@ -438,10 +442,7 @@ pub(crate) fn frame_lattice<S: Rotational>() -> WarpEntry<S> {
             LatticeError::NotFinite { .. } => ConstructError::new("frame", error.to_string()),
             error => located(&error),
         })?;
-        Ok(Built {
-            marks: warp.marks(),
-            warp: Box::new(warp),
-        })
+        Ok(Built::new(warp.marks(), Box::new(warp)))
     }
     WarpEntry {
         kind: "frame-lattice",

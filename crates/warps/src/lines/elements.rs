@@ -136,6 +136,16 @@ impl<S: Rotational> ElementWarp<S> {
     }
 }
 
+/// Continuity of an element's weight. With b = 0 it is a constant. Else the distance has a kink on the element, which a > 0 lets be
+/// seen; with a = 0 the others' share goes like d^b there.
+fn class(constants: WeightConstants) -> Smoothness {
+    match (constants.a, constants.b) {
+        (_, 0.0) => Smoothness::Smooth,
+        (0.0, b) if b > 1.0 => Smoothness::C(1),
+        _ => Smoothness::C(0),
+    }
+}
+
 /// What the elements promise.
 fn facts<S: Space>(items: &[Item<S>]) -> Facts<S> {
     let Some(first) = items.first() else {
@@ -148,6 +158,9 @@ fn facts<S: Space>(items: &[Item<S>]) -> Facts<S> {
     facts.translations_only = items.iter().all(|i| i.transformation.is_translation());
     facts.weights_fade = items.iter().all(|i| !i.weight.pins());
     let map = |i: &Item<S>| i.transformation.affine();
+    for item in items {
+        facts.weights = facts.weights.min(class(item.weight.constants));
+    }
     // One map everywhere: an affine map.
     if items.iter().all(|i| map(i) == map(first)) {
         if map(first) == Affine::IDENTITY {
@@ -155,17 +168,7 @@ fn facts<S: Space>(items: &[Item<S>]) -> Facts<S> {
         }
         return facts;
     }
-    for item in items {
-        let constants = item.weight.constants;
-        // With b = 0 a constant. Else the distance has a kink on the element, which a > 0 lets be seen; with a = 0 the
-        // others' share goes like d^b there.
-        let class = match (constants.a, constants.b) {
-            (_, 0.0) => Smoothness::Smooth,
-            (0.0, b) if b > 1.0 => Smoothness::C(1),
-            _ => Smoothness::C(0),
-        };
-        facts.inside = facts.inside.min(class);
-    }
+    facts.inside = facts.weights;
     let pinning: Vec<(&Item<S>, Bounds<S>)> = items
         .iter()
         .filter(|i| i.weight.pins())

@@ -212,10 +212,7 @@ fn lines(
     }
     let scaling = context.scaling.unwrap_or(Scaling::Displacement);
     let warp = construct(&all, scaling).map_err(|error| located("line", &error))?;
-    Ok(Built {
-        marks: warp.marks(),
-        warp: Box::new(warp),
-    })
+    Ok(Built::new(warp.marks(), Box::new(warp)))
 }
 
 /// The registry entry of the feature lines.
@@ -275,10 +272,7 @@ pub(crate) fn elements<S: Rotational>() -> WarpEntry<S> {
         let scaling = context.scaling.unwrap_or(Scaling::Displacement);
         let warp =
             ElementWarp::construct(&all, scaling).map_err(|error| located("element", &error))?;
-        Ok(Built {
-            marks: warp.marks(),
-            warp: Box::new(warp),
-        })
+        Ok(Built::new(warp.marks(), Box::new(warp)))
     }
     WarpEntry {
         kind: "elements",

@@ -172,10 +172,7 @@ pub(crate) fn mesh<S: Rotational>() -> WarpEntry<S> {
                 };
                 ConstructError::new(path, error.to_string())
             })?;
-        Ok(Built {
-            marks: warp.marks(),
-            warp: Box::new(warp),
-        })
+        Ok(Built::new(warp.marks(), Box::new(warp)))
     }
     WarpEntry {
         kind: "mesh",

@@ -443,10 +443,7 @@ pub(crate) fn axial_curve<S: Framed>() -> WarpEntry<S> {
         };
         let warp = AxialCurve::construct(axis, rail, p.reach(context)?)
             .map_err(|error| ConstructError::new("", error.to_string()))?;
-        Ok(Built {
-            marks: warp.marks(),
-            warp: Box::new(warp),
-        })
+        Ok(Built::new(warp.marks(), Box::new(warp)))
     }
     WarpEntry {
         kind: "axial-curve",

@@ -456,10 +456,7 @@ pub(crate) fn wires<S: Rotational + InFamily>() -> WarpEntry<S> {
         let p: WiresParameters = parse(value)?;
         let (wires, from_files) = p.common().resolve::<S>(context)?;
         let warp = Wires::construct(wires, None).map_err(|e| located(from_files, &e))?;
-        Ok(Built {
-            marks: warp.marks(),
-            warp: Box::new(warp),
-        })
+        Ok(Built::new(warp.marks(), Box::new(warp)))
     }
     WarpEntry {
         kind: "wires",
@@ -494,10 +491,7 @@ pub(crate) fn continuous<S: Rotational + InFamily>() -> WarpEntry<S> {
         let sampling = p.sampling.map_or(Sampling::Uniform(64), Sampling::from);
         let warp = ContinuousWires::construct(wires, sampling, None)
             .map_err(|e| located(from_files, &e))?;
-        Ok(Built {
-            marks: warp.marks(),
-            warp: Box::new(warp),
-        })
+        Ok(Built::new(warp.marks(), Box::new(warp)))
     }
     WarpEntry {
         kind: "continuous-wires",
@@ -535,17 +529,11 @@ pub(crate) fn depth() -> WarpEntry<Solid> {
         match p.sampling.map(Sampling::from) {
             None => {
                 let warp = Wires::construct(wires, Some(view)).map_err(fail)?;
-                Ok(Built {
-                    marks: warp.marks(),
-                    warp: Box::new(warp),
-                })
+                Ok(Built::new(warp.marks(), Box::new(warp)))
             }
             Some(sampling) => {
                 let warp = ContinuousWires::construct(wires, sampling, Some(view)).map_err(fail)?;
-                Ok(Built {
-                    marks: warp.marks(),
-                    warp: Box::new(warp),
-                })
+                Ok(Built::new(warp.marks(), Box::new(warp)))
             }
         }
     }
