@@ -481,3 +481,125 @@ impl MorphFrames<'_> {
         Ok(report)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{NoCompanions, read};
+    use std::io::Cursor;
+
+    fn fixture(name: &str) -> Vec<u8> {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/fixtures/valid/");
+        std::fs::read(format!("{folder}{name}")).unwrap()
+    }
+
+    fn points(document: &dyn Document) -> Vec<DVec3> {
+        document.points().solid().into_owned()
+    }
+
+    /// Three frames of which the second and third are moved by these.
+    fn film(
+        document: &dyn Document,
+        moves: [&dyn Fn(DVec3) -> DVec3; 2],
+        times: &[f64],
+    ) -> Result<(Vec<u8>, MorphReport), WriteError> {
+        let base = MorphBase::of(document, &ReadOptions::default(), &NoCompanions)?;
+        let mut storage = Cursor::new(Vec::new());
+        let mut frames = base.frames(&mut storage);
+        let rest = points(document);
+        frames.add(&Moved::new(Points::Solid(&rest)))?;
+        for step in moves {
+            let new: Vec<DVec3> = rest.iter().map(|p| step(*p)).collect();
+            frames.add(&Moved::new(Points::Solid(&new)))?;
+            let found = frames.farthest(1.0, &Points::Solid(&new)).unwrap();
+            assert!(found.distance < 1e-6, "{found:?}");
+        }
+        let names = ["a", "b", "c"].map(str::to_owned);
+        let keys = MorphKeys {
+            times,
+            names: &names,
+            animation: "quotes \"too\"",
+        };
+        let mut out = Vec::new();
+        let report = frames.finish(&keys, &mut out)?;
+        assert_eq!(report.bytes, out.len() as u64);
+        Ok((out, report))
+    }
+
+    #[test]
+    fn a_binary_whose_buffer_is_in_its_text_gets_a_chunk() {
+        let mut json = fixture("gltf-sparse.gltf");
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let mut glb = container::glb_header(json.len(), None, 0).unwrap();
+        glb.extend(container::chunk_header(true, json.len()));
+        glb.extend(json);
+        let document = read(glb, None, &ReadOptions::default()).unwrap();
+        assert_eq!(document.format(), "glb");
+        let lift = |p: DVec3| p + DVec3::Y;
+        let (out, report) = film(document.as_ref(), [&lift, &lift], &[0.0, 1.0, 2.0]).unwrap();
+        // Both frames show the same; a lift in the world is another one in each turned node, or the same.
+        assert!(
+            report.nodes >= 1 && report.targets <= report.nodes,
+            "{report:?}"
+        );
+        let again = read(out.clone(), None, &ReadOptions::default()).unwrap();
+        let count = document.visible();
+        assert_eq!(
+            points(again.as_ref())[..count],
+            points(document.as_ref())[..count]
+        );
+        let other = gltf::Gltf::from_slice(&out).unwrap();
+        assert_eq!(other.animations().len(), 1);
+    }
+
+    #[test]
+    fn few_moving_vertices_are_stored_sparsely_with_indices_as_small_as_they_can_be() {
+        for (count, size) in [(200_usize, 1), (300, 2), (70_000, 4)] {
+            let mut values = vec![[0.0; 3]; count];
+            values[7] = [1.0, 0.0, -2.0];
+            values[count - 1] = [0.0, 3.0, 0.0];
+            let mut storage = Cursor::new(Vec::new());
+            let mut blobs = Blobs::new(&mut storage);
+            assert_eq!(blobs.add(&vec![[0.0; 3]; count]).unwrap(), None);
+            assert_eq!(blobs.add(&values).unwrap(), Some(0));
+            assert_eq!(blobs.add(&values).unwrap(), Some(0));
+            let bytes = (2_usize * size).next_multiple_of(4) + 24;
+            assert_eq!(blobs.bytes(), bytes as u64);
+            let (accessors, views) = blobs.described(100, 5);
+            assert!(
+                accessors[0].contains(r#""min":[0,0,-2],"max":[1,3,0]"#),
+                "{accessors:?}"
+            );
+            assert!(accessors[0].contains(r#""sparse":{"count":2,"indices":{"bufferView":5"#));
+            assert_eq!(views.len(), 2);
+            // More than half of the vertices take the room of all.
+            let many = vec![[1.0, 2.0, 3.0]; count];
+            assert_eq!(blobs.add(&many).unwrap(), Some(1));
+            assert_eq!(blobs.bytes(), (bytes + 12 * count) as u64);
+            assert_eq!(blobs.sparse(), 1);
+        }
+    }
+
+    #[test]
+    fn keys_that_are_none_are_refused() {
+        let document = read(
+            fixture("tetrahedron-ascii.stl"),
+            None,
+            &ReadOptions::default(),
+        );
+        let document = document.unwrap();
+        let lift = |p: DVec3| p + DVec3::Y;
+        for times in [
+            &[0.0, 1.0][..],
+            &[0.0, 0.0, 1.0],
+            &[0.0, 1.0, f64::NAN],
+            &[-1.0, 0.0, 1.0],
+        ] {
+            let error = film(document.as_ref(), [&lift, &lift], times).unwrap_err();
+            assert!(error.to_string().contains("no animation"), "{error}");
+        }
+        let far = |p: DVec3| p * 1e300;
+        assert!(film(document.as_ref(), [&lift, &far], &[0.0, 1.0, 2.0]).is_err());
+        film(document.as_ref(), [&lift, &lift], &[0.0, 1.0, 2.0]).unwrap();
+    }
+}
