@@ -378,8 +378,8 @@ fn frames_that_show_the_same_share_a_target_and_ranges_start_at_zero() {
     let rows = &film.nodes[0].weights;
     assert_eq!(rows[0], [0.0; 6]);
     assert_eq!(rows[10], [0.0; 6]);
-    for key in 5..9 {
-        assert_eq!(rows[key], [0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    for row in &rows[5..9] {
+        assert_eq!(row[..], [0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
     }
     run(&[
         "--start",
