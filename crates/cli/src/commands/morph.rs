@@ -402,7 +402,7 @@ impl Film<'_> {
     fn say_error(&self, findings: &Findings, size: f64) {
         if let Some(apart) = findings.between {
             say!(
-                "  between frames the file is up to {} from the warp ({} % of the model's size): at {} seconds, after frame {}, point {}",
+                "  between frames the file is up to {} from the warp ({} % of the model's size): at {} seconds, after frame {}, point {} (measured at quarters of the way)",
                 short(apart.farthest.distance),
                 short(100.0 * apart.farthest.distance / size),
                 short(apart.seconds),
