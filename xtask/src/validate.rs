@@ -3,7 +3,7 @@
 //! The validator is the npm package `gltf-validator`, which is installed into `target/validate` on the first run; `node` and
 //! `npm` have to be there for that. Each model is validated as it is, twisted by the command, and validated again: an error
 //! that the twisted model has more often than the model itself fails the chore. Without arguments the motions of the documentation
-//! are written as animations, too; those must have no error at all.
+//! and warps of some fixtures over time are written as animations, too; those must have no error at all.
 
 use crate::{Chore, Failure, cargo};
 use serde_json::Value;
@@ -45,6 +45,14 @@ const fs = require("fs"), path = require("path"), validator = require("gltf-vali
 
 /// Where the recipes of the documentation are.
 const RECIPES: &str = "docs/recipes";
+
+/// Fixtures without errors, which are warped over time.
+const MORPHED: [&str; 4] = [
+    "spot.obj",
+    "gltf-interleaved.glb",
+    "gltf-quantized.glb",
+    "gltf-sparse.gltf",
+];
 
 /// How often each error occurs.
 type Errors = BTreeMap<String, usize>;
@@ -207,7 +215,7 @@ fn run(root: &Path, arguments: &[String]) -> Result<(), Failure> {
     }
 }
 
-/// The motions of the documentation as animations.
+/// The motions of the documentation, and warps of some fixtures over time, as animations.
 fn animations(root: &Path, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let recipes = root.join(RECIPES);
     let entries = std::fs::read_dir(&recipes).map_err(|error| Failure::file(&recipes, &error))?;
@@ -231,6 +239,22 @@ fn animations(root: &Path, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         written.push(target);
     }
     written.sort();
+    let recipe = folder.join("twist.toml");
+    for model in MORPHED {
+        let name = Path::new(model).with_extension("film.glb");
+        let target = folder.join(name);
+        let mut command = Command::new(cargo());
+        command
+            .current_dir(root)
+            .args(["run", "--quiet", "-p", "anamorph-cli", "--", "warp"])
+            .arg(root.join(FIXTURES).join(model))
+            .arg("--recipe")
+            .arg(&recipe)
+            .args(["--frames", "5", "--force", "--quiet", "-o"])
+            .arg(&target);
+        output(&mut command, "install a Rust toolchain")?;
+        written.push(target);
+    }
     Ok(written)
 }
 

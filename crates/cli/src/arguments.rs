@@ -94,7 +94,8 @@ pub(crate) struct WarpOptions {
     #[arg(long, conflicts_with = "binding")]
     pub invert: bool,
     /// Write the recipe over time, from the model as it is to the full warp, as that many numbered files: OUT (and a preview or
-    /// report) says where the number goes, as in out.%04d.obj or out.####.obj. Frames that exist are kept
+    /// report) says where the number goes, as in out.%04d.obj or out.####.obj. Frames that exist are kept. An OUT that ends in
+    /// .glb, without such a place, becomes one file with an animation of morph targets
     #[arg(
         long,
         value_name = "N",
@@ -115,6 +116,9 @@ pub(crate) struct WarpOptions {
     /// Write only these frames, by their numbers
     #[arg(long, value_name = "A-B", requires = "frames", value_parser = parse_range, help_heading = "Time")]
     pub range: Option<(i64, i64)>,
+    /// Frames a second of an animation; 24 if left out. Numbered files are the same at any rate
+    #[arg(long, value_name = "N", requires = "frames", value_parser = parse_rate, allow_hyphen_values = true, help_heading = "Time")]
+    pub fps: Option<f64>,
     /// Leave the normals stored in the file as they are
     #[arg(long)]
     pub keep_normals: bool,

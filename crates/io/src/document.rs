@@ -93,7 +93,7 @@ pub enum Points<'a> {
     Solid(&'a [DVec3]),
 }
 
-impl Points<'_> {
+impl<'a> Points<'a> {
     /// Number of points.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -116,7 +116,7 @@ impl Points<'_> {
         }
     }
     /// The points in space; those of the plane get z = 0.
-    pub(crate) fn solid(&self) -> Cow<'_, [DVec3]> {
+    pub(crate) fn solid(self) -> Cow<'a, [DVec3]> {
         match self {
             Self::Plane(points) => points.iter().map(|p| p.extend(0.0)).collect(),
             Self::Solid(points) => Cow::Borrowed(points),

@@ -44,6 +44,7 @@ mod text;
 pub use document::{Document, Mesh, Moved, NormalMap, Normals, Points, WriteReport};
 pub use error::{ReadError, ReadErrorKind, WriteError};
 pub use format::{Companions, Format, NoCompanions, ReadOptions, Recognition};
+pub use formats::gltf::morph::{Farthest, MorphBase, MorphFrames, MorphKeys, MorphReport, Storage};
 pub use formats::gltf_motion::{MovingNode, Track, write_motion};
 pub use geometry::{Create, Geometry, Lost, Target, Values};
 pub use inspect::{Inspection, Problem, ProblemKind};

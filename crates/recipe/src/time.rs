@@ -90,6 +90,12 @@ impl Recipe {
         RecipeError::one(&self.source.name, problem)
     }
 
+    /// How many tracks there are. They count only for [`Recipe::at`]; a recipe that is built without a time has the values that are written
+    /// in its warps.
+    pub fn track_count(&self) -> usize {
+        self.tracks().count()
+    }
+
     fn tracks(&self) -> impl Iterator<Item = (usize, &Map<String, Value>)> {
         let list = self.tree.get("track").and_then(Value::as_array);
         let entries = list.into_iter().flatten().enumerate();

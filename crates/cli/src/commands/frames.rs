@@ -10,12 +10,16 @@ use std::path::{Path, PathBuf};
 /// Frames of a run at most.
 const MOST_FRAMES: usize = 1_000_000;
 
+/// Frames a second if nothing is said.
+const RATE: f64 = 24.0;
+
 /// Which frames are asked for, and what their files are called.
 #[derive(Debug)]
 pub(crate) struct Frames {
     count: usize,
     first: i64,
     range: (i64, i64),
+    fps: Option<f64>,
 }
 
 /// A frame of the run.
@@ -51,7 +55,31 @@ impl Frames {
             count,
             first,
             range,
+            fps: options.fps,
         }))
+    }
+
+    /// Frames a second.
+    pub(crate) fn rate(&self) -> f64 {
+        self.fps.unwrap_or(RATE)
+    }
+
+    /// How many frames the recipe's whole time has.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Says how long a film of numbered files is, where a rate was given.
+    pub(crate) fn say_length(&self) {
+        if let Some(rate) = self.fps {
+            #[allow(clippy::cast_precision_loss)]
+            let seconds = (self.range.1 - self.range.0 + 1) as f64 / rate;
+            say!(
+                "  note: numbered files have no rate; at {} frames a second these are a film of {} seconds",
+                files::short(rate),
+                files::short(seconds)
+            );
+        }
     }
 
     /// The frames of the range, in order.
@@ -86,8 +114,13 @@ impl Pattern {
             .unwrap_or_default();
         let found = Self::signs(&name);
         let Some((from, to, digits)) = found else {
+            let or = if what == "--output" {
+                "; or name a .glb, for one file with an animation"
+            } else {
+                ""
+            };
             return Err(Failure::usage(format!(
-                "{what} {}: say where the frame's number goes, as in out.%04d.obj or out.####.obj",
+                "{what} {}: say where the frame's number goes, as in out.%04d.obj or out.####.obj{or}",
                 path.display()
             )));
         };
@@ -97,6 +130,15 @@ impl Pattern {
             digits,
             after: name[to..].to_owned(),
         })
+    }
+
+    /// Whether a path names one GLB, which all frames go into.
+    pub(crate) fn is_animation(path: &Path) -> bool {
+        let glb = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("glb"));
+        let name = path.file_name().map(|name| name.to_string_lossy());
+        glb && name.is_some_and(|name| Self::signs(&name).is_none())
     }
 
     /// Where the first sign stands, and how many digits it asks for.

@@ -6,6 +6,7 @@ pub(crate) mod check;
 pub(crate) mod frames;
 pub(crate) mod inspect;
 pub(crate) mod list;
+pub(crate) mod morph;
 pub(crate) mod motion;
 pub(crate) mod promises;
 pub(crate) mod schema;

@@ -2,6 +2,7 @@
 
 use super::bind::bound_stack;
 use super::frames::{self, Frames, Pattern};
+use super::morph;
 use super::promises::{fold, promises, to_json};
 use super::undone::Undone;
 use crate::arguments::WarpOptions;
@@ -25,11 +26,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 /// Where the results of one model go.
-struct Job {
-    model: PathBuf,
-    output: PathBuf,
-    report: Option<PathBuf>,
-    preview: Option<PathBuf>,
+pub(super) struct Job {
+    pub(super) model: PathBuf,
+    pub(super) output: PathBuf,
+    pub(super) report: Option<PathBuf>,
+    pub(super) preview: Option<PathBuf>,
 }
 
 /// Whether a destination means a folder: it ends in a separator, or is one.
@@ -151,7 +152,7 @@ fn refuse_collisions(jobs: &[Job], options: &WarpOptions) -> Result<(), Failure>
 
 impl Job {
     /// Where its results go, and which of them is the model.
-    fn results(&self) -> impl Iterator<Item = (&PathBuf, bool)> {
+    pub(super) fn results(&self) -> impl Iterator<Item = (&PathBuf, bool)> {
         let model = [(&self.output, true)];
         let others = [self.report.as_ref(), self.preview.as_ref()];
         model
@@ -194,6 +195,9 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     };
     let mut made = Vec::new();
     let result = pool.install(|| match &frames {
+        Some(frames) if Pattern::is_animation(&jobs[0].output) => {
+            morph::animate(&jobs[0], &run, frames)
+        }
         Some(frames) => warp_frames(&jobs[0], &run, frames),
         None => warp_all(&jobs, &run, &mut made),
     });
@@ -202,14 +206,25 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
 }
 
 /// What all jobs share.
-struct Run<'a> {
-    recipe: Recipe,
-    beside: RecipeFiles,
-    options: &'a WarpOptions,
+pub(super) struct Run<'a> {
+    pub(super) recipe: Recipe,
+    pub(super) beside: RecipeFiles,
+    pub(super) options: &'a WarpOptions,
     /// Files that copies of companions must not replace: inputs, results, and copies made for other models.
     taken: Mutex<HashSet<PathBuf>>,
     /// Whether results may replace what exists.
-    replace: bool,
+    pub(super) replace: bool,
+}
+
+impl Run<'_> {
+    /// Begins copies of the files that a model refers to.
+    pub(super) fn copies(&self, document: &dyn Document, job: &Job) -> Result<Copies, Failure> {
+        Copies::begin(document, &job.model, &job.output, self.replace, &|target| {
+            self.beside.refuse_replacing([target])?;
+            let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+            Ok(taken.insert(files::identity(target)))
+        })
+    }
 }
 
 /// All jobs, one after the other; one that fails does not keep the others from being done. Adds the folders it makes to
@@ -295,6 +310,7 @@ fn warp_frames(job: &Job, run: &Run<'_>, frames: &Frames) -> Result<(), Failure>
     }
     if !options.quiet {
         frames::kept(kept);
+        frames.say_length();
     }
     Ok(())
 }
@@ -395,25 +411,11 @@ fn warp_document<S: ModelSpace>(
     };
 
     let mut moved = rest.to_vec();
-    let unmapped = {
-        let progress = Progress::new("warping", moved.len(), options.quiet);
-        map_all_parallel(&stack, &mut moved, &|count| progress.add(count))
-    };
-    let expected = document.nonfinite();
-    let stayed: Vec<usize> = unmapped
-        .indices()
-        .iter()
-        .copied()
-        .filter(|index| expected.binary_search(index).is_err())
-        .collect();
+    let progress = Progress::new("warping", moved.len(), options.quiet);
+    let stayed = move_all(&stack, document, &mut moved, &progress);
+    drop(progress);
     let undone = inverted.then(|| Undone::measure(&built.stack(), rest, &moved, &stayed));
-    if let (Some(&index), false) = (stayed.first(), inverted) {
-        return Err(Failure::new(format!(
-            "{name}: point {} moves to a place that is not finite (it, or a warp, is too large for the number range); \
-             scale the model down, or mask the warp there",
-            index + 1
-        )));
-    }
+    refuse_overflow(&name, &stayed, inverted)?;
 
     // All files are begun before any is written, and the model comes last but for its report: what goes to standard output
     // cannot be taken back.
@@ -421,11 +423,7 @@ fn warp_document<S: ModelSpace>(
     let mut model_file = begin(&job.output)?;
     let mut report_file = job.report.as_ref().map(begin).transpose()?;
     let mut preview_file = job.preview.as_ref().map(begin).transpose()?;
-    let mut copies = Copies::begin(document, &job.model, &job.output, run.replace, &|target| {
-        beside.refuse_replacing([target])?;
-        let mut taken = run.taken.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(taken.insert(files::identity(target)))
-    })?;
+    let mut copies = run.copies(document, job)?;
     let mut painted = None;
     if let (Some(file), Some(path)) = (&mut preview_file, &job.preview) {
         let kind = picture::Kind::of(path, options.turntable)?;
@@ -451,44 +449,21 @@ fn warp_document<S: ModelSpace>(
     let mut report = WriteReport::default();
     let (mut lost, mut refused) = (Lost::default(), None);
     let written = model_file.fill(|out| {
-        let solid = S::DIM == 3;
-        let carry = |vertex: usize, normal: Solid| {
-            carried(
-                &stack,
-                document,
-                size,
-                vertex,
-                normal,
-                |jacobian, normal| carry_normal::<S>(jacobian, normal),
-            )
-        };
-        let carry_along = |vertex: usize, tangent: Solid| {
-            carried(
-                &stack,
-                document,
-                size,
-                vertex,
-                tangent,
-                |jacobian, tangent| carry_tangent::<S>(jacobian, tangent),
-            )
-        };
-        let normals = match policy {
-            NormalsPolicy::Carried if solid => Normals::Transform(&carry),
-            NormalsPolicy::Recomputed | NormalsPolicy::OfFacets => Normals::Recompute,
-            _ => Normals::Keep,
-        };
-        let mut wrapped = Moved::new(S::wrap(&moved)).with_normals(normals);
-        if matches!(normals, Normals::Transform(_)) {
-            wrapped = wrapped.with_tangents(&carry_along);
-        }
-        let written = match form {
-            Form::Own => document.write(&wrapped, out),
-            Form::Sister(name) => document.write_as(name, &wrapped, out),
-            Form::Other(target) => document.geometry(&wrapped).and_then(|geometry| {
-                lost = target.create(&geometry, out)?;
-                Ok(converted(&rest[..visible], &moved[..visible], report))
-            }),
-        };
+        let written = with_directions(
+            &stack,
+            document,
+            size,
+            policy,
+            &moved,
+            |wrapped| match form {
+                Form::Own => document.write(wrapped, out),
+                Form::Sister(name) => document.write_as(name, wrapped, out),
+                Form::Other(target) => document.geometry(wrapped).and_then(|geometry| {
+                    lost = target.create(&geometry, out)?;
+                    Ok(converted(&rest[..visible], &moved[..visible], report))
+                }),
+            },
+        );
         match written {
             Ok(done) => report = done,
             Err(anamorph_io::WriteError::Output(error)) => return Err(error),
@@ -535,6 +510,11 @@ fn warp_document<S: ModelSpace>(
     )?;
     if !options.quiet {
         summary(job, &built, visible, &report, policy);
+        if options.frames.is_none() && recipe.track_count() > 0 {
+            say!(
+                "  note: without --frames the recipe's tracks do nothing; its warps are in full force, with the values that stand in them"
+            );
+        }
         for note in document.notes() {
             say!("  note: {note}");
         }
@@ -583,9 +563,75 @@ fn converted<S: Space>(rest: &[S], moved: &[S], report: WriteReport) -> WriteRep
     report
 }
 
+/// Moves all points; gives those that have no finite place to go, and stay.
+pub(super) fn move_all<S: ModelSpace>(
+    stack: &dyn Deformation<S>,
+    document: &dyn Document,
+    points: &mut [S],
+    progress: &Progress,
+) -> Vec<usize> {
+    let unmapped = map_all_parallel(&stack, points, &|count| progress.add(count));
+    let expected = document.nonfinite();
+    let unexpected = |index: &usize| expected.binary_search(index).is_err();
+    unmapped
+        .indices()
+        .iter()
+        .copied()
+        .filter(unexpected)
+        .collect()
+}
+
+/// Refuses a warp that moves points to places that are not finite. An inverse may leave points where they are.
+pub(super) fn refuse_overflow(name: &str, stayed: &[usize], inverted: bool) -> Result<(), Failure> {
+    match stayed.first() {
+        Some(&index) if !inverted => Err(Failure::new(format!(
+            "{name}: point {} moves to a place that is not finite (it, or a warp, is too large for the number range); \
+             scale the model down, or mask the warp there",
+            index + 1
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Calls `f` with moved points, and with what becomes of the directions that are stored with them.
+pub(super) fn with_directions<S: ModelSpace, T>(
+    stack: &dyn Deformation<S>,
+    document: &dyn Document,
+    size: f64,
+    policy: NormalsPolicy,
+    moved: &[S],
+    f: impl FnOnce(&Moved<'_>) -> T,
+) -> T {
+    let carry = |vertex: usize, normal: Solid| {
+        carried(stack, document, size, vertex, normal, |jacobian, normal| {
+            carry_normal::<S>(jacobian, normal)
+        })
+    };
+    let carry_along = |vertex: usize, tangent: Solid| {
+        carried(
+            stack,
+            document,
+            size,
+            vertex,
+            tangent,
+            |jacobian, tangent| carry_tangent::<S>(jacobian, tangent),
+        )
+    };
+    let normals = match policy {
+        NormalsPolicy::Carried if S::DIM == 3 => Normals::Transform(&carry),
+        NormalsPolicy::Recomputed | NormalsPolicy::OfFacets => Normals::Recompute,
+        _ => Normals::Keep,
+    };
+    let mut wrapped = Moved::new(S::wrap(moved)).with_normals(normals);
+    if matches!(normals, Normals::Transform(_)) {
+        wrapped = wrapped.with_tangents(&carry_along);
+    }
+    f(&wrapped)
+}
+
 /// What happens to the normals stored in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum NormalsPolicy {
+pub(super) enum NormalsPolicy {
     None,
     Kept,
     Carried,
@@ -595,7 +641,7 @@ enum NormalsPolicy {
 }
 
 impl NormalsPolicy {
-    fn words(self) -> &'static str {
+    pub(super) fn words(self) -> &'static str {
         match self {
             Self::None => "the file stores none",
             Self::Kept => "kept as they were",
@@ -606,7 +652,7 @@ impl NormalsPolicy {
     }
 }
 
-fn normals_policy<S: Space>(
+pub(super) fn normals_policy<S: Space>(
     document: &dyn Document,
     built: &BuiltRecipe<S>,
     stack: &dyn Deformation<S>,

@@ -21,6 +21,7 @@ mod elements;
 mod geometry;
 mod inspect;
 mod json;
+pub(crate) mod morph;
 mod normals;
 mod numbers;
 mod scene;

@@ -59,6 +59,14 @@ pub(crate) fn create_text(geometry: &Geometry, out: &mut dyn Write) -> Result<Lo
 
 /// Writes a new file; see [`crate::Target::create`].
 pub(crate) fn create(geometry: &Geometry, out: &mut dyn Write) -> Result<Lost, WriteError> {
+    create_traced(geometry, out).map(|(lost, _)| lost)
+}
+
+/// As [`create`]; also gives the point that each vertex of the file comes from.
+pub(crate) fn create_traced(
+    geometry: &Geometry,
+    out: &mut dyn Write,
+) -> Result<(Lost, Vec<u32>), WriteError> {
     let rounded = geometry.check_single("glTF")?;
     if let Some(bad) = geometry.points.iter().position(|p| !p.is_finite()) {
         return Err(WriteError::DoesNotFit {
@@ -279,7 +287,7 @@ pub(crate) fn create(geometry: &Geometry, out: &mut dyn Write) -> Result<Lost, W
         flush(&mut buffer, out)?;
     }
     out.write_all(&buffer)?;
-    Ok(lost)
+    Ok((lost, vertices.into_iter().map(|vertex| vertex.0).collect()))
 }
 
 /// `min` and `max` of the positions as they are written.

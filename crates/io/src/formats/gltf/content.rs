@@ -90,7 +90,7 @@ impl Frame {
         let back = DAffine3::from_mat3_translation(back, shift);
         back.is_finite().then_some(Self(Some((world, back))))
     }
-    fn back(&self, point: DVec3) -> DVec3 {
+    pub(super) fn back(&self, point: DVec3) -> DVec3 {
         self.0
             .map_or(point, |(_, back)| back.transform_point3(point))
     }

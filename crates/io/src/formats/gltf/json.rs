@@ -458,6 +458,10 @@ impl Edits {
     pub(super) fn replace_span(&mut self, span: Range<usize>, by: String) {
         self.list.push((span, by));
     }
+    /// Makes those of another, too.
+    pub(super) fn join(&mut self, other: Self) {
+        self.list.extend(other.list);
+    }
     /// Adds values at the end of a list, laid out as those before them.
     pub(super) fn append(&mut self, list: Value<'_>, values: &[String]) {
         if let Some(last) = list.items().last() {

@@ -608,7 +608,7 @@ fn merged<'c>(list: Vec<Wanted>, content: &impl Fn(Made) -> Option<&'c Content>)
 }
 
 /// Names the copy of a mesh after its node.
-fn rename(edits: &mut Edits, mesh: Value<'_>, model: &Model, instance: usize) {
+pub(super) fn rename(edits: &mut Edits, mesh: Value<'_>, model: &Model, instance: usize) {
     let node = model.instances[instance].node;
     let Some(node) = node.and_then(|node| model.nodes[node].name.as_ref()) else {
         return;
