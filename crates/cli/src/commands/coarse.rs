@@ -194,19 +194,19 @@ fn hindrances(left: usize, count: usize, why: Hindered) -> String {
     let reasons = [
         (
             why.topology,
-            "would close a hole, a handle or a piece of the surface",
+            "close a hole, a handle or a piece of the surface",
         ),
-        (why.locked, "end where faces meet in ways that have to stay"),
-        (why.turning, "would turn a face over or flatten it"),
+        (why.locked, "change where faces meet that have to stay"),
+        (why.turning, "turn a face over or flatten it"),
     ];
     let reasons: Vec<String> = reasons
         .into_iter()
         .filter(|&(edges, _)| edges > 0)
-        .map(|(edges, what)| format!("{edges} {what}"))
+        .map(|(edges, what)| format!("{what} ({edges} of the edges)"))
         .collect();
     format!(
-        "{left} vertices are left, not {count}: of the edges that could be taken away, {}",
-        reasons.join(", ")
+        "{left} vertices are left, not {count}: to take away one more would {}",
+        reasons.join(" or ")
     )
 }
 
