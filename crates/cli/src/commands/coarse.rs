@@ -11,6 +11,9 @@ use anamorph_core::glam::DVec3;
 use anamorph_io::{Document, Geometry, Points, Target, WriteError};
 use std::path::Path;
 
+/// A distance of no more than this share of the model's size is rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// The format of the output, by its extension; OBJ without one.
 pub(super) fn target(output: &Path) -> Result<&'static Target, Failure> {
     let extension = output
@@ -86,6 +89,11 @@ pub(super) fn write(
         topology.faces()
     );
     let size = model::size(surface.positions());
+    let distance = if distance <= ROUNDING * size {
+        0.0
+    } else {
+        distance
+    };
     say!(
         "  vertices of the model are at most {} from it, {} % of the model's size (vertex {})",
         files::short(distance),
@@ -156,12 +164,8 @@ fn notes(coarse: &Decimation, count: usize) -> Vec<String> {
     }
     if coarse.joined > 0 {
         notes.push(format!(
-            "{} in one place with others joined with them",
-            plural(
-                coarse.joined,
-                "vertex that lay was",
-                "vertices that lay were"
-            )
+            "{} joined with others in the same place",
+            plural(coarse.joined, "vertex was", "vertices were")
         ));
     }
     if coarse.locked > 0 {
