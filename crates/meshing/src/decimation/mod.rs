@@ -135,9 +135,9 @@ pub fn decimate(surface: &Surface, count: usize) -> Result<Decimation, SurfaceEr
 
     let mut number = vec![usize::MAX; given.len()];
     let mut positions = Vec::with_capacity(work.left);
-    for vertex in 0..given.len() {
+    for (vertex, number) in number.iter_mut().enumerate() {
         if work.mesh.is_alive(vertex) {
-            number[vertex] = positions.len();
+            *number = positions.len();
             positions.push(match work.kept[vertex] {
                 Some(source) => given[source],
                 None => work.mesh.positions[vertex] * unit,
