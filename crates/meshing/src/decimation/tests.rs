@@ -266,7 +266,7 @@ fn a_cut_cube_becomes_its_corners() {
 
 #[test]
 fn a_sphere_is_met_as_well_as_by_even_meshes() {
-    let fine = sphere(5);
+    let fine = sphere(6);
     let mut last = f64::INFINITY;
     for (levels, count) in [(0, 6), (1, 18), (2, 66), (3, 258)] {
         let result = decimated(&fine, count);
