@@ -7,7 +7,7 @@
 //! | --- | --- | --- |
 //! | (root) | always | the engine and its vocabulary: [`Deformation`], [`Warp`], [`Field`], [`Stack`], [`map_all`], … |
 //! | `curves` | `curves` | curves, arc length, eases, motion, orientation along paths, smoothing |
-//! | `meshing` | `meshing` | surfaces of triangles and paths on them |
+//! | `meshing` | `meshing` | surfaces of triangles, paths on them, decimation |
 //! | `features` | default | pairs of points and frames |
 //! | `fields` | default | falloffs, fields of space and of a model, polynomial bases |
 //! | `transforms` | default | composition scaling, polar decomposition, quaternions, paths through orientations |

@@ -240,7 +240,7 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "write a number of seconds from 0.000001 to 1000000000".to_owned())
 }
 
-/// Write control points, frames or points of a model to edit in a modeller.
+/// Write control points, frames, points or a coarse mesh of a model to edit in a modeller.
 ///
 /// A recipe reads them back: `source` names the file as written here, `target` the edited one.
 #[derive(Debug, Args)]
@@ -250,7 +250,8 @@ pub(crate) struct CageOptions {
     pub model: PathBuf,
     #[command(flatten)]
     pub content: CageContent,
-    /// Where the cage goes: an OBJ file, or a table of points if it ends in `.csv`; `-` is standard output
+    /// Where the cage goes: an OBJ file, or a table of points if it ends in `.csv`; a coarse mesh as any format of meshes, by
+    /// its extension; `-` is standard output
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The warp that a lattice is for
@@ -266,7 +267,7 @@ pub(crate) struct CageOptions {
     #[arg(
         long,
         value_name = "LENGTH",
-        conflicts_with = "points",
+        conflicts_with_all = ["points", "mesh"],
         allow_hyphen_values = true
     )]
     pub margin: Option<String>,
@@ -294,6 +295,10 @@ pub(crate) struct CageContent {
     /// This many points of the model, spread well over it
     #[arg(long, value_name = "COUNT", value_parser = parse_points)]
     pub points: Option<usize>,
+    /// A coarse mesh of this many vertices in the shape of the model, for `mesh`: at least 4. Holes, handles and pieces
+    /// stay, which may take more
+    #[arg(long, value_name = "COUNT", value_parser = parse_vertices)]
+    pub mesh: Option<usize>,
 }
 
 /// Numbers along each axis.
@@ -324,6 +329,14 @@ fn parse_points(text: &str) -> Result<usize, String> {
     count
         .filter(|count| (1..=MOST_POINTS).contains(count))
         .ok_or_else(|| format!("write a whole number from 1 to {MOST_POINTS}"))
+}
+
+/// The least that encloses anything is a tetrahedron.
+fn parse_vertices(text: &str) -> Result<usize, String> {
+    let count = text.trim().parse().ok();
+    count
+        .filter(|&count| count >= 4)
+        .ok_or_else(|| "write a whole number of vertices, at least 4".to_owned())
 }
 
 fn parse_counts(text: &str) -> Result<Counts, String> {

@@ -3,6 +3,7 @@
 //! - [`Topology`]: who neighbours whom. It knows no positions.
 //! - [`Surface`]: a topology with positions; [`SurfacePoint`]: a place at a vertex, on an edge or in a face; normals.
 //! - [`SurfaceTree`]: the place of a surface that is nearest to a point of space, answered often.
+//! - [`decimation`]: a coarse mesh from a fine one, of the same topology.
 //! - [`paths`]: sections by a plane, shortest paths along edges, straightest walks, downhill walks.
 //!
 //! Polygons are cut into triangles by the caller. Lengths are in the units of the positions, angles in radians. Results
@@ -38,6 +39,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod decimation;
 mod error;
 mod nearest;
 pub mod paths;

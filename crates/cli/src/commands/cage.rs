@@ -1,5 +1,6 @@
-//! `anamorph cage`: control points, frames and points of a model as a file that people edit.
+//! `anamorph cage`: control points, frames and points of a model as a file that people edit. Coarse meshes are in `coarse.rs`.
 
+use super::coarse;
 use crate::arguments::{CageOptions, Counts, KnotsName, LatticeKind};
 use crate::error::{Failure, say};
 use crate::files::{self, Pending};
@@ -31,7 +32,11 @@ struct Sheet<S> {
 }
 
 pub(crate) fn run(options: &CageOptions) -> Result<(), Failure> {
-    let table = is_table(&options.output)?;
+    let coarse = match options.content.mesh {
+        Some(count) => Some((count, coarse::target(&options.output)?)),
+        None => None,
+    };
+    let table = coarse.is_none() && is_table(&options.output)?;
     let kind = kind(options)?;
     files::refuse_existing(&options.output, options.force)?;
     if !files::is_stream(&options.model)
@@ -48,6 +53,9 @@ pub(crate) fn run(options: &CageOptions) -> Result<(), Failure> {
         &ReadOptions::default(),
         options.allow_outside,
     )?;
+    if let Some((count, target)) = coarse {
+        return coarse::write(options, count, target, document.as_ref());
+    }
     match document.points() {
         Points::Plane(_) => write::<Plane>(options, kind, table, document.as_ref()),
         Points::Solid(_) => write::<Solid>(options, kind, table, document.as_ref()),
@@ -177,14 +185,14 @@ fn write<S: ModelSpace>(
 }
 
 /// The name of a file as it stands in a comment, on one line.
-fn in_comment(path: &Path, otherwise: &str) -> String {
+pub(super) fn in_comment(path: &Path, otherwise: &str) -> String {
     let name = path.file_name().filter(|_| !files::is_stream(path));
     let name = name.map_or_else(|| otherwise.into(), |name| name.to_string_lossy());
     name.chars().filter(|c| !c.is_control()).collect()
 }
 
 /// How a recipe reads the file.
-fn usage(options: &CageOptions, kind: &str) -> Vec<String> {
+pub(super) fn usage(options: &CageOptions, kind: &str) -> Vec<String> {
     let source = in_comment(&options.output, "cage.obj");
     let end = if source.ends_with(".csv") {
         "csv"

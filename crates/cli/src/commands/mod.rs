@@ -3,6 +3,7 @@
 pub(crate) mod bind;
 pub(crate) mod cage;
 pub(crate) mod check;
+pub(crate) mod coarse;
 pub(crate) mod frames;
 pub(crate) mod inspect;
 pub(crate) mod list;

@@ -107,7 +107,13 @@ pub(super) static PARTS: &[Part] = &[
         scenes: &[
             scene!("frame-lattice", SPOT, BackQuarter),
             scene!("global-lines", GRID, Front),
-            scene!("mesh", SPOT, BackQuarter),
+            scene!(
+                "mesh",
+                SPOT,
+                BackQuarter,
+                "mesh-cage.obj",
+                "mesh-edited.obj"
+            ),
             scene!("continuous-wires", GRID, Front),
         ],
     },

@@ -10,6 +10,7 @@ use super::topology::{self, Expected};
 use super::{CageKind, Said};
 use anamorph_catalog::{ConstructError, Context, FeatureMesh};
 use anamorph_core::Space;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A file that a parameter names.
@@ -94,6 +95,44 @@ impl<S: Space> Feature<S> {
         edges.sort_unstable();
         edges.dedup();
         edges
+    }
+
+    /// Refuses faces that join other points than those of `source` do; quadrilaterals may be cut along the other diagonal.
+    /// Files without faces are not looked at.
+    pub(crate) fn expect_faces_of(&self, source: &Self) -> Result<(), ConstructError> {
+        let sides = |triangles: &[[u32; 3]]| {
+            let mut sides: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
+            for &[a, b, c] in triangles {
+                for ([a, b], across) in [([a, b], c), ([b, c], a), ([c, a], b)] {
+                    sides.entry([a.min(b), a.max(b)]).or_default().push(across);
+                }
+            }
+            sides
+        };
+        let (own, theirs) = (sides(&self.mesh.triangles), sides(&source.mesh.triangles));
+        if own.is_empty() || theirs.is_empty() {
+            return Ok(());
+        }
+        let other_cut = |across: &[u32]| match *across {
+            [c, d] => own.contains_key(&[c.min(d), c.max(d)]),
+            _ => false,
+        };
+        let gone = theirs
+            .iter()
+            .find(|&(side, across)| !own.contains_key(side) && !other_cut(across));
+        let Some(([a, b], _)) = gone else {
+            return Ok(());
+        };
+        Err(self.fail(
+            format!(
+                "the faces of {} join other points than those of {}: v {} and v {} are not joined any more",
+                self.name,
+                source.name,
+                u64::from(*a) + 1,
+                u64::from(*b) + 1
+            ),
+            "keep every face, and export with the vertices in their order; exporters have a setting such as \"keep vertex order\"",
+        ))
     }
 
     /// An error of this file.

@@ -143,6 +143,10 @@ pub(super) fn fan<S: Rotational>(
     }
     let mut told = Told::Rotation;
     let mut rotation = best_rotation(edges);
+    if rotation.is_some() && edges.iter().all(|(e, t)| e == t) {
+        // To the last bit, so that what nobody edited moves nothing.
+        return (S::Linear::IDENTITY, told);
+    }
     let mut ring = 1;
     while rotation.is_none() {
         match more(ring) {
@@ -219,6 +223,22 @@ mod tests {
         for i in 0..3 {
             assert!((found.col(i) - map.col(i)).length() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_fan_that_stays_has_the_identity_to_the_last_bit() {
+        let edges = [
+            dvec3(0.3, 0.1, 0.7),
+            dvec3(-0.6, 0.2, 0.1),
+            dvec3(0.1, -0.9, 0.4),
+        ];
+        let stays: Vec<_> = edges.iter().map(|&e| (e, e)).collect();
+        assert_eq!(fan(&stays, none), (DMat3::IDENTITY, Told::Rotation));
+        // A fan along a line turns with the rings around it.
+        let line = [(Solid::X, Solid::X), (-Solid::X, -Solid::X)];
+        let turned = |_| Some(edges.iter().map(|&e| (e, turn() * e)).collect());
+        let (found, _) = fan(&line, turned);
+        assert!(found != DMat3::IDENTITY);
     }
 
     #[test]

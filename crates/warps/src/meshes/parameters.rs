@@ -93,7 +93,11 @@ fn from_files<S: Space>(
             .with_hint("leave out `points` and `edges`, or `source`"));
     }
     let targets = match load("target", p.target.as_ref(), context)? {
-        Some(target) => target.one_for_each(&source)?,
+        Some(target) => {
+            let places = target.one_for_each(&source)?;
+            target.expect_faces_of(&source)?;
+            places
+        }
         None => source.points.clone(),
     };
     let edges = source.edges();
