@@ -93,6 +93,9 @@ pub(crate) struct WarpOptions {
     /// warps as they are)
     #[arg(long, conflicts_with = "binding")]
     pub invert: bool,
+    /// The model as it was before the recipe warped it: what is relative to the model's bounds refers to this one
+    #[arg(long, value_name = "MODEL")]
+    pub rest: Option<PathBuf>,
     /// Write the recipe over time, from the model as it is to the full warp, as that many numbered files: OUT (and a preview or
     /// report) says where the number goes, as in out.%04d.obj or out.####.obj. Frames that exist are kept. An OUT that ends in
     /// .glb, without such a place, becomes one file with an animation of morph targets
@@ -363,6 +366,11 @@ pub(crate) enum PreviewField {
     Displacement,
 }
 
+fn parse_time(text: &str) -> Result<f64, String> {
+    let time = text.parse().ok().filter(|t| (0.0..=1.0).contains(t));
+    time.ok_or_else(|| "write a number from 0 (nothing has happened) to 1 (all has)".to_owned())
+}
+
 /// How a preview is taken.
 #[derive(Debug, Args)]
 pub(crate) struct ViewOptions {
@@ -483,6 +491,9 @@ pub(crate) struct CheckOptions {
     /// Without a model: check in the plane instead of in space
     #[arg(long, conflicts_with = "model")]
     pub plane: bool,
+    /// The moment to look at, from 0 to 1: tracks have set their values then, and schedules are in force
+    #[arg(long, value_name = "T", value_parser = parse_time)]
+    pub time: Option<f64>,
     /// Change a value of the recipe, such as `warp.0.angle=30deg`
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,

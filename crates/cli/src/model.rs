@@ -120,6 +120,25 @@ pub(crate) fn build<S: ModelSpace>(
         .map_err(Failure::new)
 }
 
+/// Whether a recipe that can be built for a document cannot be without its bounds.
+pub(crate) fn is_relative<S: ModelSpace>(
+    recipe: &Recipe,
+    document: &dyn Document,
+    _: &[S],
+    files: &RecipeFiles,
+) -> bool {
+    let attributes = DocumentAttributes(document);
+    let context = Context::<S> {
+        bounds: None,
+        scaling: None,
+        attributes: Some(&attributes),
+        meshes: Some(files),
+    };
+    recipe
+        .build(&S::registry(), &context, &mut |_| None)
+        .is_err()
+}
+
 /// The size of a model: the diagonal of its bounds, or 1 if it has none.
 pub(crate) fn size<S: Space>(points: &[S]) -> f64 {
     Bounds::of(points)

@@ -4,7 +4,7 @@ use crate::arguments::{Side, ThemeName, UpAxis, ViewOptions};
 use crate::error::Failure;
 use crate::model::ModelSpace;
 use crate::painted::Painted;
-use anamorph_core::{Deformation, Domain, Mark, Role, Shape, Site};
+use anamorph_core::{Deformation, Domain, Mark, Role, Shape, Site, Solid};
 use anamorph_io::{Document, Mesh};
 use anamorph_preview::{
     Animation, AnimationFormat, Camera, Model, Options, Panel, Picture, PreviewError, Theme, Up,
@@ -154,6 +154,7 @@ pub(crate) struct Subject<'a, S: ModelSpace> {
     mesh: Mesh,
     colours: Option<Vec<[f32; 3]>>,
     painted: Option<&'a Painted>,
+    around: Option<[Solid; 2]>,
     sources: Vec<Mark<S>>,
     targets: Vec<Mark<S>>,
     before: &'a [S],
@@ -173,6 +174,7 @@ impl<'a, S: ModelSpace> Subject<'a, S> {
             mesh: document.mesh().unwrap_or_default(),
             colours: colours(document),
             painted: None,
+            around: None,
             sources,
             targets,
             before,
@@ -183,6 +185,19 @@ impl<'a, S: ModelSpace> Subject<'a, S> {
     /// The same with numbers painted on it.
     pub(crate) fn painted(self, painted: Option<&'a Painted>) -> Self {
         Self { painted, ..self }
+    }
+
+    /// The same with room for a box given by two corners.
+    pub(crate) fn within(self, around: Option<[Solid; 2]>) -> Self {
+        Self { around, ..self }
+    }
+
+    /// Of what undoes the recipe, if it does: then sources and targets change places.
+    pub(crate) fn undoing(mut self, undoes: bool) -> Self {
+        if undoes {
+            std::mem::swap(&mut self.sources, &mut self.targets);
+        }
+        self
     }
 
     /// The two panels.
@@ -202,7 +217,11 @@ impl<'a, S: ModelSpace> Subject<'a, S> {
         };
         let before = Panel::new(model(self.before)).with_marks(&self.sources);
         let after = Panel::new(model(self.after)).with_marks(&self.targets);
-        before_after(&before, &after, options)
+        let options = Options {
+            around: self.around,
+            ..*options
+        };
+        before_after(&before, &after, &options)
     }
 
     /// Writes the preview that `view` and `kind` ask for.

@@ -191,27 +191,52 @@ impl Binding {
         each * influence + offset
     }
 
-    /// The first site, of some that are spread over the model, whose influences are no longer those that were bound: then the sources or
-    /// fields of the warp have changed, or the model has.
-    pub fn outdated<S: Space, W: Warp<S> + ?Sized>(&self, warp: &W, rest: &[S]) -> Option<usize> {
+    /// The first site, of some that are spread over the model and some near each feature, whose influences are no longer those that were
+    /// bound: then the sources or fields of the warp have changed, or the model has. `dropped` tells whether some influences were left
+    /// out; else there must be no others.
+    pub fn outdated<S: Space, W: Warp<S> + ?Sized>(
+        &self,
+        warp: &W,
+        rest: &[S],
+        dropped: bool,
+    ) -> Option<usize> {
         if rest.len() != self.len() {
             return Some(rest.len().min(self.len()));
         }
         let step = rest.len().div_ceil(COMPARED).max(1);
         let mut list = Influences::default();
-        let mut sites = rest.iter().enumerate().step_by(step);
-        let stale = sites.find(|(index, point)| {
+        let mut sites: Vec<usize> = (0..rest.len()).step_by(step).collect();
+        sites.extend(self.ends());
+        sites.sort_unstable();
+        sites.dedup();
+        sites.into_iter().find(|&index| {
             list.clear();
-            warp.influences(&Site::new(*index, **point), &mut list);
-            !self.agrees(*index, &list)
-        });
-        stale.map(|(index, _)| index)
+            warp.influences(&Site::new(index, rest[index]), &mut list);
+            !self.agrees(index, &list, dropped)
+        })
+    }
+
+    /// The first and the last site that feel each feature, of so many features.
+    fn ends(&self) -> Vec<usize> {
+        let mut ends: std::collections::BTreeMap<u32, (usize, usize)> =
+            std::collections::BTreeMap::new();
+        for site in 0..self.len() {
+            for feature in &self.features[self.range(site)] {
+                if let Some((_, last)) = ends.get_mut(feature) {
+                    *last = site;
+                } else if ends.len() < COMPARED {
+                    ends.insert(*feature, (site, site));
+                }
+            }
+        }
+        ends.into_values().flat_map(|(a, b)| [a, b]).collect()
     }
 
     /// Whether a site has these influences, but for such as were dropped.
-    fn agrees(&self, index: usize, list: &Influences) -> bool {
+    fn agrees(&self, index: usize, list: &Influences, dropped: bool) -> bool {
         let mut all = list.list.iter();
         list.log_scale.to_bits() == self.log_scale(index).to_bits()
+            && (dropped || list.list.len() == self.range(index).len())
             && self
                 .site(index)
                 .all(|kept| all.any(|influence| *influence == kept))
@@ -464,11 +489,11 @@ mod tests {
             let _ = map_all(&Bound::new(warp(by), binding.clone()), &mut bound);
             assert_eq!(direct, bound);
         }
-        assert_eq!(binding.outdated(&warp(2.0), &rest()), None);
+        assert_eq!(binding.outdated(&warp(2.0), &rest(), false), None);
         let mut other = rest();
         other[49].x += 1e-9;
-        assert_eq!(binding.outdated(&warp(2.0), &other), Some(49));
-        assert_eq!(binding.outdated(&warp(2.0), &other[..7]), Some(7));
+        assert_eq!(binding.outdated(&warp(2.0), &other, false), Some(49));
+        assert_eq!(binding.outdated(&warp(2.0), &other[..7], false), Some(7));
         assert_ne!(Fingerprint::of(&rest()), Fingerprint::of(&other));
         assert_eq!(Fingerprint::of(&rest()), Fingerprint::of(&rest()));
     }
@@ -510,7 +535,7 @@ mod tests {
             .without_shares_below::<Solid, _>(&warp(1.0), 0.05);
         assert!(fewer.influence_count() < all);
         assert!(fewer.influence_count() >= rest().len());
-        assert_eq!(fewer.outdated(&warp(1.0), &rest()), None);
+        assert_eq!(fewer.outdated(&warp(1.0), &rest(), true), None);
         let (mut direct, mut bound) = (rest(), rest());
         let _ = map_all(&warp(1.0), &mut direct);
         let _ = map_all(&Bound::new(warp(1.0), fewer), &mut bound);

@@ -9,6 +9,8 @@
 //! that the map itself is inverted, and a bound warp by `D(u)⁻¹` where weights ignore targets). J. Nocedal and S. Wright, *Numerical
 //! Optimization*, 2nd ed., 2006, §10.3 (Levenberg–Marquardt), §11.3 (continuation).
 
+use core::cell::Cell;
+
 use crate::{
     Deformation, Domain, Facts, Linear, Site, Smoothness, Space, Support, Unmapped, difference_step,
 };
@@ -21,6 +23,9 @@ const CROSSINGS: usize = 12;
 const SHORTEST: f64 = 1e-4;
 /// Steps of the continuation at most.
 const WAY: usize = 400;
+
+/// Places whose image is computed for one question, at most, and stage of a stack: a point that has no inverse is given up then.
+const TRIES: u32 = 2000;
 
 /// A place whose image was asked for, and how well it was met.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,6 +85,7 @@ impl<D> Inverse<D> {
             ),
         };
         let tolerance = self.tolerance(image.point);
+        let tries = Cell::new(TRIES);
         let mut best = judge(image.point);
         if best.residual == 0.0 {
             return best;
@@ -102,15 +108,15 @@ impl<D> Inverse<D> {
                 here.point = self.find_in(stage, &here).place;
             }
             // Rounding of the stages adds up; a last step on the whole takes it away.
-            if consider(self.newton(deformation, image, here.point)) {
+            if consider(self.newton(deformation, image, here.point, &tries)) {
                 return best;
             }
         }
-        if consider(self.newton(deformation, image, image.point)) {
+        if consider(self.newton(deformation, image, image.point, &tries)) {
             return best;
         }
-        if let Some(place) = self.continued(deformation, image)
-            && consider(self.newton(deformation, image, place))
+        if let Some(place) = self.continued(deformation, image, &tries)
+            && consider(self.newton(deformation, image, place, &tries))
         {
             return best;
         }
@@ -126,7 +132,7 @@ impl<D> Inverse<D> {
             for corner in 0..(2 * S::DIM + (1 << S::DIM)) {
                 let direction = direction::<S>(corner);
                 let start = image.point + direction * (reach * ring);
-                if consider(self.newton(deformation, image, start)) {
+                if consider(self.newton(deformation, image, start, &tries)) {
                     return best;
                 }
             }
@@ -140,9 +146,11 @@ impl<D> Inverse<D> {
         deformation: &dyn Deformation<S>,
         image: &Site<S>,
         start: S,
+        tries: &Cell<u32>,
     ) -> Inversion<S> {
         let tolerance = 0.1 * self.tolerance(image.point);
         let at = |place: S| {
+            tries.set(tries.get().saturating_sub(1));
             let off = deformation.map(&Site::new(image.index, place)) - image.point;
             (off, finite(off.length()))
         };
@@ -150,9 +158,11 @@ impl<D> Inverse<D> {
         let (mut off, mut residual) = at(place);
         let mut damping = 0.0;
         for _ in 0..STEPS {
-            if residual <= tolerance || residual == f64::INFINITY {
+            if residual <= tolerance || residual == f64::INFINITY || tries.get() == 0 {
                 break;
             }
+            // A Jacobian may be made of as many images.
+            tries.set(tries.get().saturating_sub(jacobian_cost::<S>()));
             let site = Site::new(image.index, place);
             let jacobian = jacobian_here(deformation, &site, self.size);
             let transposed = jacobian.transposed();
@@ -183,10 +193,10 @@ impl<D> Inverse<D> {
                 break;
             }
         }
-        if residual <= tolerance {
+        if residual <= tolerance || tries.get() == 0 {
             return Inversion { place, residual };
         }
-        self.through_creases(deformation, image, Inversion { place, residual })
+        self.through_creases(deformation, image, Inversion { place, residual }, tries)
     }
 
     /// Newton's method without looking at whether steps help: at a crease, where every short step does harm, long ones may land on the
@@ -196,10 +206,12 @@ impl<D> Inverse<D> {
         deformation: &dyn Deformation<S>,
         image: &Site<S>,
         start: Inversion<S>,
+        tries: &Cell<u32>,
     ) -> Inversion<S> {
         let tolerance = 0.1 * self.tolerance(image.point);
         let (mut best, mut place) = (start, start.place);
         for _ in 0..CROSSINGS {
+            tries.set(tries.get().saturating_sub(1 + jacobian_cost::<S>()));
             let site = Site::new(image.index, place);
             let off = deformation.map(&site) - image.point;
             let residual = finite(off.length());
@@ -220,7 +232,12 @@ impl<D> Inverse<D> {
     }
 
     /// Leads the image from `D(q)`, whose place is known, to `q`.
-    fn continued<S: Space>(&self, deformation: &dyn Deformation<S>, image: &Site<S>) -> Option<S> {
+    fn continued<S: Space>(
+        &self,
+        deformation: &dyn Deformation<S>,
+        image: &Site<S>,
+        tries: &Cell<u32>,
+    ) -> Option<S> {
         let from = deformation.map(&Site::new(image.index, image.point));
         if !from.is_finite() {
             return None;
@@ -229,7 +246,7 @@ impl<D> Inverse<D> {
         for _ in 0..WAY {
             let next: f64 = f64::min(1.0, done + step);
             let between = from + (image.point - from) * next;
-            let found = self.newton(deformation, &Site::new(image.index, between), place);
+            let found = self.newton(deformation, &Site::new(image.index, between), place, tries);
             if found.residual <= self.tolerance(between).max(1e-9 * self.size) {
                 (place, done) = (found.place, next);
                 if done >= 1.0 {
@@ -238,13 +255,18 @@ impl<D> Inverse<D> {
                 step *= 1.5;
             } else {
                 step *= 0.5;
-                if step < SHORTEST {
+                if step < SHORTEST || tries.get() == 0 {
                     return None;
                 }
             }
         }
         None
     }
+}
+
+/// Images that a Jacobian by differences takes.
+fn jacobian_cost<S: Space>() -> u32 {
+    if S::DIM == 2 { 4 } else { 6 }
 }
 
 /// A distance that orders: what is not a number is as far as can be.

@@ -14,6 +14,9 @@ use anamorph_core::{Curve, Nearest, NearestPoint, Space};
 /// Distances that differ by less than this share of the curve's size are equal (errata F10).
 const TIE: f64 = 1e-12;
 
+/// Parameters that differ by less than this share of the domain may belong to one minimum.
+const BESIDE: f64 = 1e-3;
+
 /// The derivative of the squared distance to `to` along a piece, in Bernstein form, in units in which its products neither overflow nor vanish.
 fn slope<S: Space>(piece: &Bezier<S>, to: S, unit: f64) -> Vec<f64> {
     let velocity = piece.differences();
@@ -158,19 +161,38 @@ impl<S: Space> NearestTable<S> {
     }
 
     fn search(&self, to: S) -> Nearest<S> {
-        let mut best = self.found(0, 0.0, to);
+        // The best so far, and whether the distance is stationary there: ends of pieces need not be.
+        let mut best = (self.found(0, 0.0, to), false);
         let tie = TIE * self.size;
-        let consider = |candidate: Nearest<S>, best: &mut Nearest<S>| {
-            let nearer = candidate.distance < best.distance - tie;
-            let as_near = candidate.distance <= best.distance + tie;
-            if nearer || (as_near && candidate.parameter < best.parameter) {
-                *best = candidate;
+        let domain = match (self.pieces.first(), self.pieces.last()) {
+            (Some(first), Some(last)) => last.1 - first.0,
+            _ => 0.0,
+        };
+        let consider = |candidate: Nearest<S>, rests: bool, best: &mut (Nearest<S>, bool)| {
+            let (known, known_rests) = *best;
+            let nearer = candidate.distance < known.distance - tie;
+            let as_near = candidate.distance <= known.distance + tie;
+            // Distances grow with the square of the way from a minimum: what is as near because it is beside it is no place of its own.
+            let gap = candidate.point.distance(known.point);
+            let beside = gap * gap <= 16.0 * tie * (known.distance + tie)
+                && (candidate.parameter - known.parameter).abs() <= BESIDE * domain;
+            let better = if nearer || !as_near {
+                nearer
+            } else if beside && rests != known_rests {
+                rests
+            } else if beside && candidate.distance != known.distance {
+                candidate.distance < known.distance
+            } else {
+                candidate.parameter < known.parameter
+            };
+            if better {
+                *best = (candidate, rests);
             }
         };
         let mut stack = vec![self.root];
         while let Some(index) = stack.pop() {
             let node = self.nodes[index];
-            if node.distance(to) > best.distance + tie {
+            if node.distance(to) > best.0.distance + tie {
                 continue;
             }
             if let Some((a, b)) = node.halves {
@@ -184,15 +206,15 @@ impl<S: Space> NearestTable<S> {
                 stack.push(near);
                 continue;
             }
-            consider(self.found(node.from, 0.0, to), &mut best);
-            consider(self.found(node.from, 1.0, to), &mut best);
+            consider(self.found(node.from, 0.0, to), false, &mut best);
+            consider(self.found(node.from, 1.0, to), false, &mut best);
             for crossing in crossings(&slope(&self.pieces[node.from].2, to, self.unit(to))) {
                 if crossing.rising {
-                    consider(self.found(node.from, crossing.at, to), &mut best);
+                    consider(self.found(node.from, crossing.at, to), true, &mut best);
                 }
             }
         }
-        best
+        best.0
     }
 
     /// All places at which the distance to a point has a local minimum, in the order of their parameters. Ends of an open curve and corners

@@ -405,3 +405,29 @@ fn quick_turns_are_not_at_once() {
         "{said}"
     );
 }
+
+/// An end of a curve that is as near as the place beside it, because distances grow with the square of the way, drew points to it: the
+/// nearest parameter stayed at the end for a millionth of the curve, and then jumped.
+#[test]
+fn nearest_places_do_not_stick_to_ends_and_joints() {
+    use anamorph_core::NearestPoint;
+    use anamorph_core::glam::dvec2;
+    use anamorph_curves::families::{CatmullRom, Generator};
+    let points = [
+        dvec2(-0.5, 0.0),
+        dvec2(-0.1, 0.0),
+        dvec2(0.2, 0.0),
+        dvec2(0.5, 0.0),
+    ];
+    let curve = CatmullRom::new(points.to_vec()).curve().unwrap();
+    for start in [-0.5, -0.1, 0.2] {
+        for step in [1e-9, 3e-8, 2e-7, 5e-7, 1e-6, 1e-4] {
+            for side in [-1.0, 1.0] {
+                let x = start + side * step;
+                let nearest = curve.nearest(dvec2(x, 0.1)).point.x;
+                let wanted = f64::max(x, -0.5);
+                assert!((nearest - wanted).abs() < 1e-13, "{x}: {nearest}");
+            }
+        }
+    }
+}

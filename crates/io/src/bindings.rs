@@ -13,7 +13,7 @@ use std::io::{self, Write};
 /// What every file begins with.
 const MAGIC: &[u8; 16] = b"anamorph binding";
 /// The version that is written, and the only one that is read.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Longest name in a file.
 const LONGEST_NAME: usize = 4096;
 
@@ -22,6 +22,8 @@ const LONGEST_NAME: usize = 4096;
 pub struct BoundWarp {
     /// Its kind in recipes.
     pub kind: String,
+    /// Tells its description from others that differ otherwise than by numbers.
+    pub structure: u64,
     /// The influences of all points.
     pub binding: Binding,
     /// The mask at all points, if it has one.
@@ -39,6 +41,8 @@ pub struct BindingFile {
     pub fingerprint: Fingerprint,
     /// Coordinates of a point: 2 or 3.
     pub dimension: usize,
+    /// Influences of a smaller share of their point's weight were dropped; 0 if none were.
+    pub drop_below: f64,
     /// The largest distance by which any point moves otherwise than without the binding, because influences were dropped.
     pub dropped: f64,
     /// The warps in their order.
@@ -106,10 +110,12 @@ impl BindingFile {
         out.number(self.points as u64)?;
         out.number(self.fingerprint.0)?;
         out.number(self.dimension as u64)?;
+        out.bytes(&self.drop_below.to_le_bytes())?;
         out.bytes(&self.dropped.to_le_bytes())?;
         out.number(self.warps.len() as u64)?;
         for warp in &self.warps {
             out.text(&warp.kind)?;
+            out.number(warp.structure)?;
             let binding = &warp.binding;
             out.number(binding.influence_count() as u64)?;
             for index in 0..self.points {
@@ -173,6 +179,7 @@ impl BindingFile {
         let points = cursor.count(4)?;
         let fingerprint = Fingerprint(cursor.number()?);
         let dimension = cursor.count(0)?;
+        let drop_below = f64::from_le_bytes(cursor.array()?);
         let dropped = f64::from_le_bytes(cursor.array()?);
         let count = cursor.count(1)?;
         let mut warps = Vec::new();
@@ -187,6 +194,7 @@ impl BindingFile {
             points,
             fingerprint,
             dimension,
+            drop_below,
             dropped,
             warps,
         })
@@ -264,6 +272,7 @@ impl Cursor<'_> {
     }
     fn warp(&mut self, points: usize) -> Result<BoundWarp, ReadError> {
         let kind = self.text()?;
+        let structure = self.number()?;
         let count = self.count(4)?;
         let counts = self.words(points)?;
         let features = self.words(count)?;
@@ -286,6 +295,7 @@ impl Cursor<'_> {
         let binding = Binding::from_parts(&counts, influences, log_scales).ok_or_else(damaged)?;
         Ok(BoundWarp {
             kind,
+            structure,
             binding,
             mask,
         })
@@ -313,15 +323,18 @@ mod tests {
             points: 3,
             fingerprint: Fingerprint(42),
             dimension: 3,
+            drop_below: 1e-3,
             dropped: 1e-5,
             warps: vec![
                 BoundWarp {
                     kind: "wires".to_owned(),
+                    structure: 99,
                     binding,
                     mask: Some(vec![0.0, 0.5, 1.0]),
                 },
                 BoundWarp {
                     kind: "points".to_owned(),
+                    structure: 7,
                     binding: Binding::from_parts(&[0; 3], Vec::new(), Vec::new()).unwrap(),
                     mask: None,
                 },

@@ -75,6 +75,20 @@ struct Studio {
     range: [f64; 2],
 }
 
+/// The corners of a box.
+fn corners([low, high]: [DVec3; 2]) -> impl Iterator<Item = DVec3> {
+    (0..8).map(move |bits| {
+        let pick = |axis: usize| {
+            if bits >> axis & 1 == 0 {
+                low[axis]
+            } else {
+                high[axis]
+            }
+        };
+        DVec3::new(pick(0), pick(1), pick(2))
+    })
+}
+
 /// The finite points of the marks.
 fn mark_points<'a, S: Drawable>(panel: &Panel<'a, S>) -> impl Iterator<Item = DVec3> + use<'a, S> {
     let marks = panel.marks;
@@ -104,9 +118,11 @@ impl Studio {
             }
         }
         let everything = || {
+            let around = options.around.into_iter().flat_map(corners);
             panels
                 .iter()
                 .flat_map(|(panel, _)| drawn_points(&panel.model).chain(mark_points(panel)))
+                .chain(around)
         };
         let Some(frame) = Frame::around(everything()) else {
             return Err(PreviewError::Empty {

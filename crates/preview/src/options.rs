@@ -1,5 +1,6 @@
 //! How a picture is taken: its size, its colours, its camera.
 
+use anamorph_core::glam::DVec3;
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use crate::PreviewError;
@@ -154,6 +155,8 @@ pub struct Options {
     /// Whether the picture has room for the model seen from every azimuth, so that a series of pictures of a camera that
     /// goes round does not jump.
     pub turning: bool,
+    /// Two corners of a box for which there must be room, too, so that a series of pictures of a model that moves does not jump.
+    pub around: Option<[DVec3; 2]>,
 }
 
 impl Default for Options {
@@ -166,6 +169,7 @@ impl Default for Options {
             camera: Camera::default(),
             samples: 3,
             turning: false,
+            around: None,
         }
     }
 }

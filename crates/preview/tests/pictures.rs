@@ -20,6 +20,7 @@ const SMALL: Options = Options {
     },
     samples: 2,
     turning: false,
+    around: None,
 };
 
 fn sphere() -> (Vec<DVec3>, Vec<[u32; 3]>) {

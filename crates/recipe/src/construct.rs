@@ -4,6 +4,7 @@ use crate::check::parameters;
 use crate::error::{Problem, RecipeError};
 use crate::fit::fitted;
 use crate::keys::Walk;
+use crate::recipe::hash;
 use crate::time::Share;
 use crate::tree::{Part, join};
 use crate::words::plain;
@@ -26,6 +27,8 @@ pub struct BuiltPart<S: Space> {
     pub label: Option<String>,
     /// The row of the inventory of systems it covers.
     pub system: &'static str,
+    /// Tells tables of warps apart that differ otherwise than by their numbers.
+    pub structure: u64,
     /// The warp, with the recipe's strength, weight and ambient weight but without its mask.
     pub warp: Arc<dyn Warp<S>>,
     /// Its mask, if it has one.
@@ -139,6 +142,7 @@ impl Recipe {
                     .and_then(Value::as_str)
                     .map(str::to_owned),
                 system: entry.system,
+                structure: structure(table),
                 warp,
                 mask,
                 deformation,
@@ -183,6 +187,15 @@ impl Recipe {
         };
         self.problem(&join(path, &error.path), Part::Value, message, hint)
     }
+}
+
+/// What a warp's table says, without its numbers, its label and when it is in force.
+fn structure(table: &Map<String, Value>) -> u64 {
+    let mut table = table.clone();
+    for key in ["label", "enabled", "schedule"] {
+        table.remove(key);
+    }
+    hash(&Value::Object(table), false)
 }
 
 fn scaling(table: &Map<String, Value>) -> Option<Scaling> {

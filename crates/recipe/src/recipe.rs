@@ -132,6 +132,11 @@ impl Recipe {
         &self.source.name
     }
 
+    /// Tells recipes apart: a number made of all values, in the order of their keys (FNV-1a, Fowler, Noll and Vo).
+    pub fn fingerprint(&self) -> u64 {
+        hash(&Value::Object(self.tree.clone()), true)
+    }
+
     /// The recipe as one table.
     pub fn tree(&self) -> &Map<String, Value> {
         &self.tree
@@ -175,4 +180,53 @@ fn begins_as_json(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim_start);
     let first = lines.find(|line| !line.is_empty() && !line.starts_with('#'));
     first.is_some_and(|line| line.starts_with(['{', '/']))
+}
+/// A number made of a value: of all of it, or, without numbers, of what is there and how it is arranged.
+pub(crate) fn hash(value: &Value, numbers: bool) -> u64 {
+    fn add(sum: &mut u64, bytes: &[u8]) {
+        for byte in bytes {
+            *sum = (*sum ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+    fn walk(sum: &mut u64, value: &Value, numbers: bool) {
+        match value {
+            Value::Null => add(sum, b"null"),
+            Value::Bool(flag) => add(sum, if *flag { b"true" } else { b"false" }),
+            Value::Number(_) if !numbers => add(sum, b"number"),
+            Value::Number(number) => {
+                add(sum, b"n");
+                add(
+                    sum,
+                    &number.as_f64().unwrap_or(f64::NAN).to_bits().to_le_bytes(),
+                );
+            }
+            Value::String(text) if !numbers && crate::time::unit(text).is_some() => {
+                add(sum, b"number");
+            }
+            Value::String(text) => {
+                add(sum, b"s");
+                add(sum, &(text.len() as u64).to_le_bytes());
+                add(sum, text.as_bytes());
+            }
+            Value::Array(list) => {
+                add(sum, b"[");
+                list.iter().for_each(|value| walk(sum, value, numbers));
+                add(sum, b"]");
+            }
+            Value::Object(table) => {
+                add(sum, b"{");
+                let mut keys: Vec<&String> = table.keys().collect();
+                keys.sort();
+                for key in keys {
+                    add(sum, &(key.len() as u64).to_le_bytes());
+                    add(sum, key.as_bytes());
+                    walk(sum, &table[key], numbers);
+                }
+                add(sum, b"}");
+            }
+        }
+    }
+    let mut sum = 0xcbf2_9ce4_8422_2325;
+    walk(&mut sum, value, numbers);
+    sum
 }

@@ -458,7 +458,7 @@ fn ease(value: Option<&Value>) -> Result<Box<dyn Ease>, String> {
 }
 
 /// A number with what stands behind it.
-fn unit(text: &str) -> Option<(f64, &str)> {
+pub(crate) fn unit(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     let end = text
         .char_indices()

@@ -6,7 +6,8 @@ use crate::files::{self, Pending};
 use crate::meshes::RecipeFiles;
 use crate::model::{self, ModelSpace};
 use anamorph_core::{
-    Binding, Bound, Deformation, Fingerprint, Masked, Plane, Site, Solid, Stack, map_all_parallel,
+    Average, Binding, Bound, Deformation, Fingerprint, Masked, Plane, Site, Solid, Stack,
+    map_all_parallel,
 };
 use anamorph_fields::Attribute;
 use anamorph_io::bindings::{BindingFile, BoundWarp};
@@ -85,6 +86,7 @@ fn bind<S: ModelSpace>(
     for part in &built.parts {
         let bound = BoundWarp {
             kind: part.kind.to_owned(),
+            structure: part.structure,
             binding: bound_part(part, &here, options.drop_below),
             mask: part
                 .mask
@@ -117,6 +119,7 @@ fn bind<S: ModelSpace>(
         points: rest.len(),
         fingerprint: Fingerprint::of(rest),
         dimension: S::DIM,
+        drop_below: options.drop_below,
         dropped,
         warps,
     };
@@ -129,7 +132,28 @@ fn bind<S: ModelSpace>(
             files::shown_output(&options.output),
             rest.len()
         );
-        if options.drop_below > 0.0 {
+        if built.parts.len() > 1 {
+            say!(
+                "  note: warps after the first are bound to the model as it arrives there now; other targets of an earlier one do not \
+                 move what the later ones were bound to"
+            );
+        }
+        let whole: usize = if options.drop_below > 0.0 {
+            let parts = built.parts.iter();
+            parts.map(|part| undroppable(part)).map(usize::from).sum()
+        } else {
+            0
+        };
+        if whole == built.parts.len() {
+            say!(
+                "  note: nothing is dropped: the weights of {} follow targets, or are sums without an average",
+                if whole == 1 {
+                    "this warp"
+                } else {
+                    "these warps"
+                }
+            );
+        } else if options.drop_below > 0.0 {
             say!(
                 "  influences below {} of a point's weight are dropped: points move by up to {} otherwise",
                 files::short(options.drop_below),
@@ -175,12 +199,29 @@ fn stage<S: ModelSpace>(
     })
 }
 
+/// Whether a part keeps all influences whatever their shares.
+fn undroppable<S: ModelSpace>(part: &BuiltPart<S>) -> bool {
+    part.warp.facts().weights_follow_targets || part.warp.average() == Average::Plain
+}
+
+/// The first point at which a part's mask is not the one that was bound.
+fn other_mask<S: ModelSpace>(bound: &BoundWarp, part: &BuiltPart<S>, rest: &[S]) -> Option<usize> {
+    let values = bound.mask.as_ref()?;
+    let mask = part.mask.as_ref()?;
+    let mut sites = rest.iter().zip(values).enumerate();
+    let other = sites.find(|(index, (point, value))| {
+        mask.value(&Site::new(*index, **point)).to_bits() != value.to_bits()
+    });
+    other.map(|(index, _)| index)
+}
+
 /// A recipe's warps with the influences of a binding, for the model it was made for.
 pub(crate) fn bound_stack<S: ModelSpace>(
     path: &Path,
     built: &BuiltRecipe<S>,
     rest: &[S],
     model: &str,
+    quiet: bool,
 ) -> Result<Stack<S>, Failure> {
     let name = files::shown(path);
     let file = BindingFile::read(&files::read(path)?)
@@ -216,9 +257,23 @@ pub(crate) fn bound_stack<S: ModelSpace>(
             kinds(built.parts.iter().map(|p| p.kind).collect())
         )));
     }
+    if let Some((part, _)) = built
+        .parts
+        .iter()
+        .zip(&file.warps)
+        .find(|(part, bound)| part.structure != bound.structure)
+    {
+        return Err(Failure::new(format!(
+            "{name}: {} is described otherwise than when it was bound, and not only by numbers; {again}",
+            part.title()
+        )));
+    }
     // Later warps were bound to the model as it arrived there then; only the first can be compared.
     if let (Some(bound), Some(part)) = (file.warps.first(), built.parts.first())
-        && let Some(index) = bound.binding.outdated(&part.warp, rest)
+        && let Some(index) = bound
+            .binding
+            .outdated(&part.warp, rest, file.drop_below > 0.0)
+            .or_else(|| other_mask(bound, part, rest))
     {
         return Err(Failure::new(format!(
             "{name}: the sources or fields of {} are not those that were bound (seen at point {}); only targets and constant \
@@ -226,6 +281,19 @@ pub(crate) fn bound_stack<S: ModelSpace>(
             part.title(),
             index + 1
         )));
+    }
+    if !quiet && file.drop_below > 0.0 {
+        say!(
+            "  note: influences below {} of a point's weight were dropped, which moved points by up to {} then; with other targets it may \
+             be more",
+            files::short(file.drop_below),
+            files::short(file.dropped)
+        );
+    }
+    if !quiet && built.parts.len() > 1 {
+        say!(
+            "  note: warps after the first use the influences of the model as it arrived there when it was bound"
+        );
     }
     let stages: Result<Vec<_>, Failure> = built
         .parts

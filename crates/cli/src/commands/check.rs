@@ -137,11 +137,18 @@ fn compare<S: ModelSpace>(
     document: Option<&dyn Document>,
 ) -> Result<(String, Value), Failure> {
     let [first, second] = recipes;
+    let names = [files::shown(first.0), files::shown(second.0)];
+    if first.1.fingerprint() == second.1.fingerprint() {
+        let found: Guarantee<S> = anamorph_core::guarantees::commutes_with_itself();
+        let text = format!("{} and {}\n{}", names[0], names[1], line(&found));
+        let value =
+            json!({ "recipes": names, "guarantees": super::promises::guarantee_json(&found) });
+        return Ok((text, value));
+    }
     let (a, points, _) = built_for::<S>(first.0, first.1, options, document)?;
     let (b, _, _) = built_for::<S>(second.0, second.1, options, document)?;
     let points = super::promises::examined(&points);
     let found: Guarantee<S> = commutation(&a.stack(), &b.stack(), &points, size(&points));
-    let names = [files::shown(first.0), files::shown(second.0)];
     let text = format!("{} and {}\n{}", names[0], names[1], line(&found));
     let value = json!({ "recipes": names, "guarantees": super::promises::guarantee_json(&found) });
     Ok((text, value))
@@ -155,10 +162,8 @@ fn compare_recipes(
     let [first, second] = &options.recipes[..] else {
         return Ok(None);
     };
-    let (a, b) = (
-        read_recipe(first, &options.set)?,
-        read_recipe(second, &options.set)?,
-    );
+    let (a, _) = timed(read_recipe(first, &options.set)?, options)?;
+    let (b, _) = timed(read_recipe(second, &options.set)?, options)?;
     if a.is_motion() || b.is_motion() || a.is_local() != b.is_local() {
         return Ok(None);
     }
@@ -183,10 +188,60 @@ fn check_recipe(
     options: &CheckOptions,
     documents: &mut [Option<Box<dyn Document>>; 2],
 ) -> Result<(String, Value), Failure> {
-    let recipe = read_recipe(path, &options.set)?;
+    let (recipe, about) = timed(read_recipe(path, &options.set)?, options)?;
     if recipe.is_motion() {
         return check_motion(path, &recipe, options);
     }
+    let (text, mut value) = check_warps(path, &recipe, options, documents)?;
+    if about.is_empty() {
+        return Ok((text, value));
+    }
+    value["notes"] = json!(about);
+    let about: String = about.iter().map(|n| format!("note: {n}\n")).collect();
+    Ok((format!("{text}{about}"), value))
+}
+
+/// The recipe at the time that is asked for, and what is to be said about times and directions.
+fn timed(recipe: Recipe, options: &CheckOptions) -> Result<(Recipe, Vec<String>), Failure> {
+    let mut about = Vec::new();
+    if recipe.is_motion() {
+        return Ok((recipe, about));
+    }
+    // Values of tracks are looked at before any frame is.
+    let keyed = recipe.at_keys().map_err(Failure::new)?;
+    for moment in keyed.iter().filter(|_| recipe.track_count() > 0) {
+        let solid = moment.check_keys(&Solid::registry());
+        if let (Err(error), Err(_)) = (solid, moment.check_keys(&Plane::registry())) {
+            return Err(Failure::new(error));
+        }
+    }
+    if recipe.is_inverse() {
+        about.push(
+            "`mapping = \"inverse\"`: these are promises of the warps as they are, not of what undoes them"
+                .to_owned(),
+        );
+    }
+    match options.time {
+        Some(time) => Ok((recipe.at(time).map_err(Failure::new)?, about)),
+        None => {
+            if recipe.track_count() > 0 {
+                about.push(
+                    "the values of tracks are not in force here: look at a moment with --time, from 0 to 1"
+                        .to_owned(),
+                );
+            }
+            Ok((recipe, about))
+        }
+    }
+}
+
+/// The warps of a recipe, on the model or on a stand-in.
+fn check_warps(
+    path: &Path,
+    recipe: &Recipe,
+    options: &CheckOptions,
+    documents: &mut [Option<Box<dyn Document>>; 2],
+) -> Result<(String, Value), Failure> {
     let document = &mut documents[usize::from(recipe.is_local())];
     if let (Some(model), None) = (&options.model, &document) {
         let read_options = ReadOptions::default().local(recipe.is_local());
@@ -198,15 +253,15 @@ fn check_recipe(
         None => options.plane,
     };
     if plane {
-        return check_one::<Plane>(path, &recipe, options, document);
+        return check_one::<Plane>(path, recipe, options, document);
     }
     match (
-        check_one::<Solid>(path, &recipe, options, document),
+        check_one::<Solid>(path, recipe, options, document),
         document,
     ) {
         // Without a model a recipe that only makes sense in the plane is taken for one of the plane.
         (Err(failure), None) => {
-            check_one::<Plane>(path, &recipe, options, None).map_err(|_| failure)
+            check_one::<Plane>(path, recipe, options, None).map_err(|_| failure)
         }
         (solid, _) => solid,
     }

@@ -69,6 +69,11 @@ impl Frames {
         self.count
     }
 
+    /// The number of the first frame of the whole time.
+    pub(crate) fn first(&self) -> i64 {
+        self.first
+    }
+
     /// Says how long a film of numbered files is, where a rate was given.
     pub(crate) fn say_length(&self) {
         if let Some(rate) = self.fps {
@@ -159,6 +164,17 @@ impl Pattern {
             start = from + 1;
         }
         None
+    }
+
+    /// The path of the record of what the frames were made from.
+    pub(crate) fn record(&self) -> PathBuf {
+        let stem = self.before.trim_end_matches(['.', '_', '-', ' ']);
+        let dot = if stem.is_empty() || stem.ends_with(std::path::is_separator) {
+            ""
+        } else {
+            "."
+        };
+        PathBuf::from(format!("{stem}{dot}frames.json"))
     }
 
     /// The path of a frame.

@@ -4,10 +4,9 @@
 //! and three quarters of the way, over all vertices, and said with the result.
 
 use super::frames::{Frame, Frames};
+use super::jobs::Job;
 use super::undone::Undone;
-use super::warp::{
-    Job, NormalsPolicy, Run, move_all, normals_policy, refuse_overflow, with_directions,
-};
+use super::warp::{NormalsPolicy, Run, move_all, normals_policy, refuse_overflow, with_directions};
 use crate::companions::Folder;
 use crate::error::{Failure, say};
 use crate::files::{self, Pending, short};

@@ -2,8 +2,10 @@
 
 use super::bind::bound_stack;
 use super::frames::{self, Frames, Pattern};
+use super::jobs::{Job, is_folder, jobs};
 use super::morph;
 use super::promises::{fold, promises, to_json};
+use super::sequence::warp_frames;
 use super::undone::Undone;
 use crate::arguments::WarpOptions;
 use crate::companions::Copies;
@@ -24,142 +26,6 @@ use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-
-/// Where the results of one model go.
-pub(super) struct Job {
-    pub(super) model: PathBuf,
-    pub(super) output: PathBuf,
-    pub(super) report: Option<PathBuf>,
-    pub(super) preview: Option<PathBuf>,
-}
-
-/// Whether a destination means a folder: it ends in a separator, or is one.
-fn is_folder(path: &Path) -> bool {
-    !files::is_stream(path)
-        && (path
-            .as_os_str()
-            .to_string_lossy()
-            .ends_with(['/', std::path::MAIN_SEPARATOR])
-            || path.is_dir())
-}
-
-/// One job a model; refuses arguments that do not fit together before anything is read.
-fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
-    let several = options.models.len() > 1;
-    files::at_most_one_stream(options.models.iter().chain([&options.recipe]))?;
-    for (what, path) in [
-        ("--output", Some(&options.output)),
-        ("--preview", options.preview.as_ref()),
-        ("--report", options.report.as_ref()),
-    ] {
-        if let Some(path) = path.filter(|path| several && !is_folder(path)) {
-            let instead = if files::is_stream(path) {
-                "name one, ending in `/`".to_owned()
-            } else {
-                format!("write `{}/`", path.display())
-            };
-            return Err(Failure::usage(format!(
-                "several models need a folder for {what}: {instead}"
-            )));
-        }
-    }
-    let outputs = [options.report.as_deref(), options.preview.as_deref()];
-    if outputs.iter().flatten().any(|path| files::is_stream(path)) {
-        return Err(Failure::usage(
-            "only the model can go to standard output; name files for the others",
-        ));
-    }
-    let picture_extension = if options.turntable.is_some() {
-        "gif"
-    } else {
-        "png"
-    };
-    let jobs: Vec<Job> = options
-        .models
-        .iter()
-        .map(|model| {
-            let inside = |path: &Path, extension: Option<&str>| -> Result<PathBuf, Failure> {
-                if !is_folder(path) {
-                    return Ok(path.to_owned());
-                }
-                let Some(name) = model.file_name().filter(|_| !files::is_stream(model)) else {
-                    return Err(Failure::usage(
-                        "a model from standard input has no name; name the output file",
-                    ));
-                };
-                let mut name = PathBuf::from(name);
-                if let Some(extension) = extension {
-                    name.set_extension(extension);
-                }
-                Ok(path.join(name))
-            };
-            Ok(Job {
-                model: model.clone(),
-                output: inside(&options.output, None)?,
-                report: options
-                    .report
-                    .as_deref()
-                    .map(|path| inside(path, Some("json")))
-                    .transpose()?,
-                preview: options
-                    .preview
-                    .as_deref()
-                    .map(|path| inside(path, Some(picture_extension)))
-                    .transpose()?,
-            })
-        })
-        .collect::<Result<_, Failure>>()?;
-    refuse_collisions(&jobs, options)?;
-    Ok(jobs)
-}
-
-/// Refuses two results in one place, and results in the place of an input; but a model may replace itself.
-fn refuse_collisions(jobs: &[Job], options: &WarpOptions) -> Result<(), Failure> {
-    let known = |path: &Path| (!files::is_stream(path)).then(|| files::identity(path));
-    let recipe = known(&options.recipe);
-    let binding = options.binding.as_deref().and_then(known);
-    let models: HashSet<PathBuf> = jobs.iter().filter_map(|job| known(&job.model)).collect();
-    let mut results = HashSet::new();
-    for job in jobs {
-        for (path, is_model) in job.results() {
-            if files::is_immediate(path) {
-                continue;
-            }
-            let Some(identity) = known(path) else {
-                continue;
-            };
-            let shown = path.display();
-            let asked = [("recipe", &recipe), ("binding", &binding)];
-            if let Some((what, _)) = asked.iter().find(|(_, f)| f.as_ref() == Some(&identity)) {
-                return Err(Failure::usage(format!(
-                    "{shown}: a result would replace the {what}; choose another name"
-                )));
-            }
-            if !is_model && models.contains(&identity) {
-                return Err(Failure::usage(format!(
-                    "{shown}: a report or preview would replace a model; choose another name"
-                )));
-            }
-            if !results.insert(identity) {
-                return Err(Failure::usage(format!(
-                    "{shown}: two results would be written there; choose another name or folder"
-                )));
-            }
-        }
-    }
-    Ok(())
-}
-
-impl Job {
-    /// Where its results go, and which of them is the model.
-    pub(super) fn results(&self) -> impl Iterator<Item = (&PathBuf, bool)> {
-        let model = [(&self.output, true)];
-        let others = [self.report.as_ref(), self.preview.as_ref()];
-        model
-            .into_iter()
-            .chain(others.into_iter().flatten().map(|path| (path, false)))
-    }
-}
 
 pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     let frames = Frames::of(options)?;
@@ -192,6 +58,9 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
         options,
         taken: Mutex::new(results.chain(inputs).filter_map(known).collect()),
         replace: options.force,
+        rest: rest_model(options)?,
+        around: None,
+        at_rest: false,
     };
     let mut made = Vec::new();
     let result = pool.install(|| match &frames {
@@ -211,9 +80,23 @@ pub(super) struct Run<'a> {
     pub(super) beside: RecipeFiles,
     pub(super) options: &'a WarpOptions,
     /// Files that copies of companions must not replace: inputs, results, and copies made for other models.
-    taken: Mutex<HashSet<PathBuf>>,
+    pub(super) taken: Mutex<HashSet<PathBuf>>,
     /// Whether results may replace what exists.
     pub(super) replace: bool,
+    /// The model as it was, where what is undone has other bounds.
+    pub(super) rest: Option<Box<dyn Document>>,
+    /// What pictures must have room for beside the model: two corners.
+    pub(super) around: Option<[Solid; 2]>,
+    /// Whether the recipe stands at the time when nothing has moved yet.
+    pub(super) at_rest: bool,
+}
+
+/// The model that `--rest` names.
+fn rest_model(options: &WarpOptions) -> Result<Option<Box<dyn Document>>, Failure> {
+    let Some(path) = &options.rest else {
+        return Ok(None);
+    };
+    model::read(path, &ReadOptions::default(), options.allow_outside).map(Some)
 }
 
 impl Run<'_> {
@@ -259,60 +142,18 @@ fn warp_all(jobs: &[Job], run: &Run<'_>, made: &mut Vec<PathBuf>) -> Result<(), 
     }
 }
 
-/// All frames of a range, the model read once.
-fn warp_frames(job: &Job, run: &Run<'_>, frames: &Frames) -> Result<(), Failure> {
-    let options = run.options;
-    let output = Pattern::of(&job.output, "--output")?;
-    let pattern = |path: &Option<PathBuf>, what| {
-        path.as_deref()
-            .map(|path| Pattern::of(path, what))
-            .transpose()
-    };
-    let report = pattern(&job.report, "--report")?;
-    let preview = pattern(&job.preview, "--preview")?;
-    let recipe = &run.recipe;
-    let read_options = ReadOptions::default()
-        .allow_nonfinite(options.allow_nonfinite)
-        .local(recipe.is_local());
-    let document = model::read(&job.model, &read_options, options.allow_outside)?;
-    let mut kept = 0;
-    for frame in frames.all() {
-        let named = |pattern: &Option<Pattern>| pattern.as_ref().map(|p| p.path(frame.number));
-        let job = Job {
-            model: job.model.clone(),
-            output: output.path(frame.number),
-            report: named(&report),
-            preview: named(&preview),
-        };
-        if !options.force && job.results().all(|(path, _)| path.exists()) {
-            kept += 1;
-            continue;
-        }
-        let mut results = job.results();
-        if results.any(|(path, _)| files::identity(path) == files::identity(&job.model)) {
-            return Err(Failure::usage(format!(
-                "{}: a frame would replace the model; choose another name",
-                job.output.display()
-            )));
-        }
-        let run = Run {
-            recipe: recipe.at(frame.time).map_err(Failure::new)?,
-            beside: RecipeFiles::beside(&options.recipe, options.allow_outside),
-            options,
-            taken: Mutex::new(HashSet::new()),
-            replace: true,
-        };
-        let form = form(&job, document.as_ref())?;
-        match document.points() {
-            Points::Plane(_) => warp_document::<Plane>(&job, &run, document.as_ref(), form)?,
-            Points::Solid(_) => warp_document::<Solid>(&job, &run, document.as_ref(), form)?,
-        }
+/// All of a recipe's warps, or what undoes them.
+pub(super) fn whole<S: ModelSpace>(
+    recipe: &Recipe,
+    options: &WarpOptions,
+    built: &BuiltRecipe<S>,
+    size: f64,
+) -> Box<dyn Deformation<S>> {
+    if recipe.is_inverse() == options.invert {
+        Box::new(built.stack())
+    } else {
+        Box::new(Inverse::new(built.stack(), size))
     }
-    if !options.quiet {
-        frames::kept(kept);
-        frames.say_length();
-    }
-    Ok(())
 }
 
 /// Whether a file's name ends so.
@@ -323,7 +164,7 @@ fn is_extension_of(path: &Path, extension: &str) -> bool {
 
 /// The form in which a model is written.
 #[derive(Clone, Copy)]
-enum Form {
+pub(super) enum Form {
     /// The file's own, to the byte where nothing moves.
     Own,
     /// Another that holds all of it; by name.
@@ -333,7 +174,7 @@ enum Form {
 }
 
 /// The form that the name of the output asks for.
-fn form(job: &Job, document: &dyn Document) -> Result<Form, Failure> {
+pub(super) fn form(job: &Job, document: &dyn Document) -> Result<Form, Failure> {
     let Some(extension) = job.output.extension().and_then(|e| e.to_str()) else {
         return Ok(Form::Own);
     };
@@ -385,7 +226,7 @@ fn warp_one(job: &Job, run: &Run<'_>) -> Result<(), Failure> {
     }
 }
 
-fn warp_document<S: ModelSpace>(
+pub(super) fn warp_document<S: ModelSpace>(
     job: &Job,
     run: &Run<'_>,
     document: &dyn Document,
@@ -394,7 +235,15 @@ fn warp_document<S: ModelSpace>(
     let (options, recipe, beside) = (run.options, &run.recipe, &run.beside);
     let name = files::shown(&job.model);
     let rest = S::points(document.points()).unwrap_or_default();
-    let built = model::build(recipe, document, rest, beside)?;
+    let built = match &run.rest {
+        None => model::build(recipe, document, rest, beside)?,
+        Some(unwarped) => {
+            let points = S::points(unwarped.points()).ok_or_else(|| {
+                Failure::usage("--rest: that model lies in another space than this one")
+            })?;
+            model::build(recipe, unwarped.as_ref(), points, beside)?
+        }
+    };
     beside.refuse_replacing(job.results().map(|(path, _)| path))?;
     let visible = document.visible().min(rest.len());
     let size = model::size(&rest[..visible]);
@@ -405,9 +254,8 @@ fn warp_document<S: ModelSpace>(
                 "a binding moves the model as the recipe does; leave out `mapping = \"inverse\"`",
             ));
         }
-        Some(path) => Box::new(bound_stack(path, &built, rest, &name)?),
-        None if inverted => Box::new(Inverse::new(built.stack(), size)),
-        None => Box::new(built.stack()),
+        Some(path) => Box::new(bound_stack(path, &built, rest, &name, options.quiet)?),
+        None => whole(recipe, options, &built, size),
     };
 
     let mut moved = rest.to_vec();
@@ -433,7 +281,10 @@ fn warp_document<S: ModelSpace>(
             painted = Some(numbers);
         }
         let subject = picture::Subject::new(document, before, after, &built);
-        let subject = subject.painted(painted.as_ref());
+        let subject = subject
+            .painted(painted.as_ref())
+            .undoing(inverted)
+            .within(run.around);
         let mut failed = None;
         file.fill(|out| {
             failed = subject.write(&options.view, kind, out).err();
@@ -539,9 +390,15 @@ fn warp_document<S: ModelSpace>(
         }
         if let Some(undone) = &undone {
             undone.print();
+            if run.rest.is_none() && model::is_relative(recipe, document, rest, beside) {
+                say!(
+                    "  note: the recipe has values relative to the model, which this one, already warped, gives otherwise: name \
+                     the model as it was with --rest"
+                );
+            }
         }
         if !built.parts.is_empty() {
-            if report.moved_points == 0 {
+            if report.moved_points == 0 && !run.at_rest {
                 say!(
                     "  warning: nothing moved; see whether the recipe says how far (an edit, a `target`), and whether a strength, weight or mask is 0"
                 );

@@ -90,6 +90,12 @@ pub fn commutation<S: Space>(
     }
 }
 
+/// Two deformations that are one and the same commute.
+pub fn commutes_with_itself<S>() -> Guarantee<S> {
+    let statement = "both are the same".to_owned();
+    Guarantee::new(Property::Commutation, Verdict::Proved, statement, None)
+}
+
 /// Whether two bounded sets certainly have no point in common.
 fn apart<S: Space>(a: &Support<S>, b: &Support<S>) -> bool {
     if let (

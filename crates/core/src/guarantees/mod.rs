@@ -8,7 +8,7 @@ mod folds;
 mod inversion;
 mod jumps;
 
-pub use commutation::commutation;
+pub use commutation::{commutation, commutes_with_itself};
 pub use folds::{ON_THE_MODEL, no_fold, safe_strength};
 pub use inversion::invertibility;
 pub use jumps::{ambient_repair, continuity_of};

@@ -261,6 +261,15 @@ impl<S: Rotational> MeshWarp<S> {
     /// Sentences for the report.
     fn notes_on(&self, neighbours: &[Vec<u32>], lines: usize) -> Vec<String> {
         let mut notes = Vec::new();
+        let alone = |v: &&Vertex<S>| v.edges.0 == v.edges.1;
+        let strays = self.vertices.iter().filter(alone).count();
+        if strays > 0 {
+            let moved = self.vertices.iter().filter(alone);
+            let moved = moved.filter(|v| v.source != v.target).count();
+            notes.push(format!(
+                "{strays} vertices have no edge and carry nothing along, {moved} of them although they are moved"
+            ));
+        }
         if lines > 0 {
             notes.push(format!(
                 "{lines} vertices lie on a line with all that they are joined to: they are turned by the smallest rotation (errata F13)"

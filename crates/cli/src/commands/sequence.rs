@@ -1,0 +1,212 @@
+//! A recipe over time as numbered files: which of them are finished, what made them, and how a film of them is framed.
+//!
+//! Beside the frames lies a record of what they were made from. Frames of another recipe, model or count are never mixed with new ones.
+
+use super::frames::{self, Frames, Pattern};
+use super::jobs::Job;
+use super::warp::{Run, form, warp_document, whole};
+use crate::error::Failure;
+use crate::files::{self, Pending};
+use crate::meshes::RecipeFiles;
+use crate::model::{self, ModelSpace};
+use anamorph_core::{Bounds, Fingerprint, Plane, Solid, Space, map_all_parallel};
+use anamorph_io::{Document, Points, ReadOptions};
+use serde_json::{Value, json};
+use std::collections::HashSet;
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// Whether a result is there and holds something.
+fn is_finished(path: &Path) -> bool {
+    path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0)
+}
+
+/// Refuses names by which any frame would replace what it is made from.
+fn refuse_inputs(
+    model: &Path,
+    run: &Run<'_>,
+    frames: &Frames,
+    patterns: [Option<&Pattern>; 3],
+) -> Result<(), Failure> {
+    let known = |path: &Path| (!files::is_stream(path)).then(|| files::identity(path));
+    let inputs = [
+        ("model", known(model)),
+        ("recipe", known(&run.options.recipe)),
+    ];
+    for frame in frames.all() {
+        for path in patterns.iter().flatten().map(|p| p.path(frame.number)) {
+            if !path.exists() {
+                continue;
+            }
+            let identity = Some(files::identity(&path));
+            if let Some((what, _)) = inputs.iter().find(|(_, input)| *input == identity) {
+                return Err(Failure::usage(format!(
+                    "{}: a frame would replace the {what}; choose another name",
+                    path.display()
+                )));
+            }
+            run.beside.refuse_replacing([&path])?;
+        }
+    }
+    Ok(())
+}
+
+/// What a series of frames was made from.
+struct Record(Value);
+
+impl Record {
+    fn of(document: &dyn Document, run: &Run<'_>, frames: &Frames) -> Self {
+        let model = match document.points() {
+            Points::Plane(points) => Fingerprint::of(points),
+            Points::Solid(points) => Fingerprint::of(points),
+        };
+        Self(json!({
+            "anamorph": "frames",
+            "model": format!("{:016x}", model.0),
+            "recipe": format!("{:016x}", run.recipe.fingerprint()),
+            "inverse": run.options.invert,
+            "frames": frames.count(),
+            "first": frames.first(),
+        }))
+    }
+
+    /// Whether the record that is there says the same; frames that exist and are not of this making are refused.
+    fn check(
+        &self,
+        path: &Path,
+        force: bool,
+        frames: &Frames,
+        output: &Pattern,
+    ) -> Result<bool, Failure> {
+        let text = std::fs::read(path).unwrap_or_default();
+        let there: Option<Value> = serde_json::from_slice(&text).ok();
+        if there.as_ref() == Some(&self.0) {
+            return Ok(true);
+        }
+        if path.exists() && !force && there.is_none_or(|v| v["anamorph"] != "frames") {
+            return Err(Failure::usage(format!(
+                "{}: the record of the frames would replace this file; choose another name, or say --force",
+                path.display()
+            )));
+        }
+        let mut existing = frames.all().map(|frame| output.path(frame.number));
+        match existing.find(|path| path.exists()) {
+            Some(frame) if !force => Err(Failure::usage(format!(
+                "{}: this file exists, and is no frame of this recipe, model and number of frames ({} says what was made); \
+                 --force makes them anew, or choose another name",
+                frame.display(),
+                path.display()
+            ))),
+            _ => Ok(false),
+        }
+    }
+
+    fn write(&self, path: &Path) -> Result<(), Failure> {
+        let mut file = Pending::create(path, true)?;
+        let text = serde_json::to_string_pretty(&self.0).map_err(Failure::new)?;
+        file.fill(|out| writeln!(out, "{text}"))?;
+        files::keep_all([file])
+    }
+}
+
+/// The bounds of the model over all frames, so that a film of pictures keeps its frame.
+fn all_of_it<S: ModelSpace>(
+    run: &Run<'_>,
+    frames: &Frames,
+    document: &dyn Document,
+) -> Result<Option<[Solid; 2]>, Failure> {
+    let rest = S::points(document.points()).unwrap_or_default();
+    let visible = document.visible().min(rest.len());
+    let mut around = Bounds::of(&rest[..visible]);
+    for frame in frames.all() {
+        let recipe = run.recipe.at(frame.time).map_err(Failure::new)?;
+        let built = model::build(&recipe, document, rest, &run.beside)?;
+        let mut moved = rest.to_vec();
+        let stack = whole(&recipe, run.options, &built, model::size(&rest[..visible]));
+        let _ = map_all_parallel(&stack, &mut moved, &|_| {});
+        around = match (around, Bounds::of(&moved[..visible])) {
+            (Some(a), Some(b)) => Some(a.union(b)),
+            (a, b) => a.or(b),
+        };
+    }
+    let lift = |p: S| {
+        Solid::from_fn(|axis| {
+            if axis < S::DIM {
+                p.component(axis)
+            } else {
+                0.0
+            }
+        })
+    };
+    Ok(around.map(|b| [lift(b.min), lift(b.max)]))
+}
+
+/// All frames of a range, the model read once.
+pub(super) fn warp_frames(job: &Job, run: &Run<'_>, frames: &Frames) -> Result<(), Failure> {
+    let options = run.options;
+    let output = Pattern::of(&job.output, "--output")?;
+    let pattern = |path: &Option<PathBuf>, what| {
+        path.as_deref()
+            .map(|path| Pattern::of(path, what))
+            .transpose()
+    };
+    let report = pattern(&job.report, "--report")?;
+    let preview = pattern(&job.preview, "--preview")?;
+    let recipe = &run.recipe;
+    let read_options = ReadOptions::default()
+        .allow_nonfinite(options.allow_nonfinite)
+        .local(recipe.is_local());
+    let document = model::read(&job.model, &read_options, options.allow_outside)?;
+    refuse_inputs(
+        &job.model,
+        run,
+        frames,
+        [Some(&output), report.as_ref(), preview.as_ref()],
+    )?;
+    let record = Record::of(document.as_ref(), run, frames);
+    let record_path = output.record();
+    let known = record.check(&record_path, options.force, frames, &output)?;
+    let around = match (&preview, document.points()) {
+        (None, _) => None,
+        (_, Points::Plane(_)) => all_of_it::<Plane>(run, frames, document.as_ref())?,
+        (_, Points::Solid(_)) => all_of_it::<Solid>(run, frames, document.as_ref())?,
+    };
+    if !known {
+        record.write(&record_path)?;
+    }
+    let mut kept = 0;
+    for frame in frames.all() {
+        let named = |pattern: &Option<Pattern>| pattern.as_ref().map(|p| p.path(frame.number));
+        let job = Job {
+            model: job.model.clone(),
+            output: output.path(frame.number),
+            report: named(&report),
+            preview: named(&preview),
+        };
+        if !options.force && job.results().all(|(path, _)| is_finished(path)) {
+            kept += 1;
+            continue;
+        }
+        let run = Run {
+            recipe: recipe.at(frame.time).map_err(Failure::new)?,
+            beside: RecipeFiles::beside(&options.recipe, options.allow_outside),
+            options,
+            taken: Mutex::new(HashSet::new()),
+            replace: true,
+            rest: None,
+            around,
+            at_rest: frame.time == 0.0,
+        };
+        let form = form(&job, document.as_ref())?;
+        match document.points() {
+            Points::Plane(_) => warp_document::<Plane>(&job, &run, document.as_ref(), form)?,
+            Points::Solid(_) => warp_document::<Solid>(&job, &run, document.as_ref(), form)?,
+        }
+    }
+    if !options.quiet {
+        frames::kept(kept);
+        frames.say_length();
+    }
+    Ok(())
+}
