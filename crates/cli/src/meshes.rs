@@ -4,7 +4,7 @@ use crate::error::Failure;
 use crate::files;
 use anamorph_catalog::{FeatureMesh, Meshes};
 use anamorph_core::glam::DVec3;
-use anamorph_io::{Points, ReadOptions};
+use anamorph_io::{Points, ReadOptions, drawings};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -95,6 +95,9 @@ impl RecipeFiles {
 
 /// A file as warps read it.
 fn parsed(name: &str, bytes: Vec<u8>) -> Read {
+    if name.to_ascii_lowercase().ends_with(".svg") || drawings::is_svg(&bytes) {
+        return drawing(name, &bytes);
+    }
     let comments = comments(&bytes);
     let document = anamorph_io::read(bytes, Some(name), &ReadOptions::default())
         .map_err(|error| format!("{name}: {error}"))?;
@@ -110,6 +113,21 @@ fn parsed(name: &str, bytes: Vec<u8>) -> Read {
         lines: mesh.lines,
         triangles: mesh.triangles,
         comments,
+    }))
+}
+
+/// Flattening of a drawing's curves, as a share of its extent.
+const FLATTENED: f64 = 1e-5;
+
+/// The polylines of a drawing, in the plane z = 0.
+fn drawing(name: &str, bytes: &[u8]) -> Read {
+    let drawing =
+        drawings::polylines(bytes, FLATTENED).map_err(|error| format!("{name}: {error}"))?;
+    Ok(Arc::new(FeatureMesh {
+        dimension: 3,
+        points: drawing.points.iter().map(|p| p.extend(0.0)).collect(),
+        lines: drawing.lines,
+        ..FeatureMesh::default()
     }))
 }
 

@@ -59,6 +59,23 @@ impl<S: Space> Node<S> {
     }
 }
 
+/// Pieces of a short list are cut into as many parts, whose boxes are smaller.
+const PARTS: [(usize, u32); 2] = [(16, 3), (256, 2)];
+
+/// The pieces of a curve, those of a short one halved a few times: most points are then told by boxes alone that they are far.
+fn halved<S: Space>(mut pieces: Vec<(f64, f64, Bezier<S>)>) -> Vec<(f64, f64, Bezier<S>)> {
+    let times = PARTS.iter().find(|(most, _)| pieces.len() <= *most);
+    for _ in 0..times.map_or(0, |(_, times)| *times) {
+        let halves = pieces.iter().flat_map(|(a, b, piece)| {
+            let middle = a + 0.5 * (b - a);
+            let (first, second) = piece.split(0.5);
+            [(*a, middle, first), (middle, *b, second)]
+        });
+        pieces = halves.collect();
+    }
+    pieces
+}
+
 /// A curve prepared for many nearest-point questions: its pieces in a tree of boxes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NearestTable<S> {
@@ -73,7 +90,7 @@ impl<S: Space> NearestTable<S> {
     /// Prepares a curve.
     #[must_use]
     pub fn new<C: Pieces<S> + ?Sized>(curve: &C) -> Self {
-        let pieces = curve.bezier_pieces();
+        let pieces = halved(curve.bezier_pieces());
         let mut nodes: Vec<Node<S>> = Vec::with_capacity(2 * pieces.len());
         let mut level: Vec<usize> = Vec::with_capacity(pieces.len());
         for (i, (_, _, piece)) in pieces.iter().enumerate() {
@@ -147,7 +164,7 @@ impl<S: Space> NearestTable<S> {
         if !to.is_finite() {
             return self.found(0, 0.0, to);
         }
-        self.search(to)
+        self.search(to, f64::INFINITY)
     }
 
     /// The same if it is no farther than `reach`; far from the curve's box that costs one comparison.
@@ -156,11 +173,12 @@ impl<S: Space> NearestTable<S> {
         if !to.is_finite() || self.nodes[self.root].distance(to) > reach {
             return None;
         }
-        let nearest = self.search(to);
+        let nearest = self.search(to, reach);
         (nearest.distance <= reach).then_some(nearest)
     }
 
-    fn search(&self, to: S) -> Nearest<S> {
+    /// The nearest place, if it is no farther than `reach`; else any.
+    fn search(&self, to: S, reach: f64) -> Nearest<S> {
         // The best so far, and whether the distance is stationary there: ends of pieces need not be.
         let mut best = (self.found(0, 0.0, to), false);
         let tie = TIE * self.size;
@@ -192,7 +210,7 @@ impl<S: Space> NearestTable<S> {
         let mut stack = vec![self.root];
         while let Some(index) = stack.pop() {
             let node = self.nodes[index];
-            if node.distance(to) > best.0.distance + tie {
+            if node.distance(to) > best.0.distance.min(reach) + tie {
                 continue;
             }
             if let Some((a, b)) = node.halves {

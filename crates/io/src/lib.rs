@@ -28,6 +28,8 @@
 
 pub mod bindings;
 mod document;
+#[cfg(feature = "svg")]
+pub mod drawings;
 mod elements;
 mod error;
 mod faces;

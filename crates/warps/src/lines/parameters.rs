@@ -5,6 +5,7 @@
 
 use super::elements::ElementWarp;
 use super::{ElementError, WeightConstants, global, local};
+use crate::cages::expect_in_space;
 use anamorph_catalog::schemars::JsonSchema;
 use anamorph_catalog::{
     Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse, schemars,
@@ -36,9 +37,13 @@ struct LineParameters {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LinesParameters {
-    /// The lines.
+    /// The lines; those of the files come before them.
     #[serde(default)]
     line: Vec<LineParameters>,
+    /// A file with source lines.
+    source: Option<String>,
+    /// A file with their targets, one for each in the same order.
+    target: Option<String>,
     /// Added to the distance to lines that say nothing themselves, 0 if left out: then lines are met exactly.
     a: Option<Length>,
     /// How fast their weights fall off with distance, 2 if left out; 0 for not at all.
@@ -70,9 +75,13 @@ struct ElementParameters {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct ElementsParameters {
-    /// The elements.
+    /// The elements; lines of the files come before them.
     #[serde(default)]
     element: Vec<ElementParameters>,
+    /// A file with source lines.
+    source: Option<String>,
+    /// A file with their targets, one for each in the same order.
+    target: Option<String>,
     /// Added to the distance to elements that say nothing themselves, 0 if left out: then elements are met exactly.
     a: Option<Length>,
     /// How fast their weights fall off with distance, 2 if left out; 0 for not at all.
@@ -80,6 +89,76 @@ struct ElementsParameters {
     /// How much their weights grow with their sizes, 0 if left out: not at all; 1 in proportion to the mean length of the
     /// edges.
     p: Option<f64>,
+}
+
+/// The line segments of a file, in its order.
+fn segments<S: Space>(
+    key: &'static str,
+    name: &str,
+    context: &Context<'_, S>,
+) -> Result<Vec<[S; 2]>, ConstructError> {
+    let mesh = context.mesh(key, name)?;
+    expect_in_space::<S>(key, name, &mesh)?;
+    if mesh.lines.is_empty() {
+        let message = format!("{name} has no line");
+        return Err(ConstructError::new(key, message).with_hint(
+            "draw lines in it: `l` elements of OBJ, edges without faces, or paths of SVG",
+        ));
+    }
+    let point = |i: u32| {
+        let place = mesh.points.get(i as usize)?;
+        Some(S::from_fn(|axis| place[axis]))
+    };
+    let ends = mesh
+        .lines
+        .iter()
+        .map(|[a, b]| Some([point(*a)?, point(*b)?]));
+    ends.collect::<Option<_>>().ok_or_else(|| {
+        ConstructError::new(
+            key,
+            format!("a line of {name} refers to a point that it does not have"),
+        )
+    })
+}
+
+/// The pairs of segments of two files.
+fn from_files<S: Space>(
+    source: Option<&String>,
+    target: Option<&String>,
+    context: &Context<'_, S>,
+) -> Result<Vec<ElementPair<S>>, ConstructError> {
+    let (from, to) = match (source, target) {
+        (None, None) => return Ok(Vec::new()),
+        (Some(source), Some(target)) => (source, target),
+        (source, _) => {
+            let (here, other) = if source.is_some() {
+                ("source", "target")
+            } else {
+                ("target", "source")
+            };
+            let message = format!("there is a `{here}` file and no `{other}`");
+            return Err(ConstructError::new(here, message)
+                .with_hint(format!("name the other file as `{other}`")));
+        }
+    };
+    let sources = segments("source", from, context)?;
+    let targets = segments("target", to, context)?;
+    if sources.len() != targets.len() {
+        let message = format!(
+            "{from} has {} lines and {to} has {}",
+            sources.len(),
+            targets.len()
+        );
+        return Err(ConstructError::new("target", message)
+            .with_hint("give one target for each line, in the same order"));
+    }
+    let both = sources.iter().zip(&targets).enumerate();
+    both.map(|(number, (source, target))| {
+        ElementPair::of_corners(source, target).map_err(|error| {
+            ConstructError::new("source", format!("line {number} of {from}: {error}"))
+        })
+    })
+    .collect()
 }
 
 /// The constants of one feature's weight, from its own parameters or the warp's.
@@ -165,9 +244,11 @@ fn pair<S: Space>(
         .map_err(|error| ConstructError::new(format!("{path}.{key}"), error.to_string()))
 }
 
-/// An error of a feature of the list `list`.
-fn located(list: &str, error: &ElementError) -> ConstructError {
-    let number = error.feature();
+/// An error of a feature of the list `list`, before which come `filed` features of files.
+fn located(list: &str, filed: usize, error: &ElementError) -> ConstructError {
+    let Some(number) = error.feature().checked_sub(filed) else {
+        return ConstructError::new("source", error.to_string());
+    };
     let (key, message) = match error {
         ElementError::Constant { constant, .. } => (format!(".{constant}"), error.to_string()),
         ElementError::Feature { error, .. } => (String::new(), error.to_string()),
@@ -187,7 +268,12 @@ fn lines(
     ) -> Result<ElementWarp<Plane>, ElementError>,
 ) -> Result<Built<Plane>, ConstructError> {
     let p: LinesParameters = parse(value)?;
+    let common = (p.a, p.b, p.p);
     let mut all = Vec::new();
+    for pair in from_files(p.source.as_ref(), p.target.as_ref(), context)? {
+        all.push((pair, constants("", (None, None, None), common, context)?));
+    }
+    let filed = all.len();
     for (i, line) in p.line.iter().enumerate() {
         let path = format!("line.{i}");
         for (key, list) in [
@@ -203,15 +289,15 @@ fn lines(
         let (target, by) = (line.target.as_ref(), line.by.as_ref());
         let pair = pair(&path, &line.source, target, by, context)?;
         let own = (line.a, line.b, line.p);
-        all.push((pair, constants(&path, own, (p.a, p.b, p.p), context)?));
+        all.push((pair, constants(&path, own, common, context)?));
     }
     if all.is_empty() {
         return Err(ConstructError::new("line", "there is no line").with_hint(
-            "add a table `[[warp.line]]` with `source` and `target`, each both ends of a line",
+            "add a table `[[warp.line]]` with `source` and `target`, each both ends of a line, or name files as `source` and `target`",
         ));
     }
     let scaling = context.scaling.unwrap_or(Scaling::Displacement);
-    let warp = construct(&all, scaling).map_err(|error| located("line", &error))?;
+    let warp = construct(&all, scaling).map_err(|error| located("line", filed, &error))?;
     Ok(Built::new(warp.marks(), Box::new(warp)))
 }
 
@@ -255,6 +341,11 @@ pub(crate) fn elements<S: Rotational>() -> WarpEntry<S> {
     ) -> Result<Built<S>, ConstructError> {
         let p: ElementsParameters = parse(value)?;
         let mut all = Vec::new();
+        for pair in from_files(p.source.as_ref(), p.target.as_ref(), context)? {
+            let constants = constants("", (None, None, None), (p.a, p.b, p.p), context)?;
+            all.push((pair, constants));
+        }
+        let filed = all.len();
         for (i, element) in p.element.iter().enumerate() {
             let path = format!("element.{i}");
             let (target, by) = (element.target.as_ref(), element.by.as_ref());
@@ -270,8 +361,8 @@ pub(crate) fn elements<S: Rotational>() -> WarpEntry<S> {
             );
         }
         let scaling = context.scaling.unwrap_or(Scaling::Displacement);
-        let warp =
-            ElementWarp::construct(&all, scaling).map_err(|error| located("element", &error))?;
+        let warp = ElementWarp::construct(&all, scaling)
+            .map_err(|error| located("element", filed, &error))?;
         Ok(Built::new(warp.marks(), Box::new(warp)))
     }
     WarpEntry {
