@@ -189,11 +189,16 @@ impl Recipe {
     }
 }
 
-/// What a warp's table says, without its numbers, its label and when it is in force.
+/// What a warp's table says, without its numbers, its label, when it is in force, and what is constant and no part of the fields.
 fn structure(table: &Map<String, Value>) -> u64 {
     let mut table = table.clone();
-    for key in ["label", "enabled", "schedule"] {
+    for key in ["label", "enabled", "schedule", "ambient"] {
         table.remove(key);
+    }
+    for key in ["strength", "mask"] {
+        if table.get(key).is_some_and(Value::is_number) {
+            table.remove(key);
+        }
     }
     hash(&Value::Object(table), false)
 }
