@@ -52,7 +52,7 @@ fn colour(ramp: &[Colour; 5], share: f64) -> Colour {
     let below = (place.floor() as usize).min(3);
     #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)]
     let rest = (place - below as f64) as f32;
-    core::array::from_fn(|i| ramp[below][i] + (ramp[below + 1][i] - ramp[below][i]) * rest)
+    core::array::from_fn(|i| ramp[below][i] * (1.0 - rest) + ramp[below + 1][i] * rest)
 }
 
 /// A number for a scale: three digits.

@@ -157,13 +157,16 @@ pub(crate) fn fitted<S: Space>(
     let rest = finish(built.warp)?;
     let changes = fit(&rest, refit.targets, &pins, stiffness).map_err(located)?;
     let mut built = (refit.with)(&changes)?;
-    built.marks.extend(pins.iter().flat_map(|pin| {
+    // Whoever says where places go wants to see these, not what was found for it.
+    let marks = pins.iter().flat_map(|pin| {
+        let arrow = Shape::Arrow(pin.source, pin.target);
         [
-            Mark::new(Role::Source, Shape::Point(pin.source)),
-            Mark::new(Role::Target, Shape::Point(pin.target)),
-            Mark::new(Role::Target, Shape::Arrow(pin.source, pin.target)),
+            Some(Mark::new(Role::Source, Shape::Point(pin.source))),
+            (pin.source != pin.target).then(|| Mark::new(Role::Source, arrow)),
+            Some(Mark::new(Role::Target, Shape::Point(pin.target))),
         ]
-    }));
+    });
+    built.marks = marks.flatten().collect();
     built.warp = Box::new(Fitted::new(finish(built.warp)?, pins));
     Ok(built)
 }

@@ -90,6 +90,7 @@ pub(super) static PARTS: &[Part] = &[
             scene!("lattice", SPOT, BackQuarter),
             scene!("cage", SPOT, BackQuarter, "cage.obj", "cage-edited.obj"),
             scene!("spline-lattice", SPOT, BackQuarter),
+            scene!("fit", SPOT, BackQuarter),
             scene!("lines", GRID, Front),
             scene!("elements", TEAPOT, ThreeQuarter),
             scene!("taper", TEAPOT, ThreeQuarter),
