@@ -45,7 +45,7 @@ mod window;
 
 pub use dissolve::cross_dissolve;
 pub use error::RasterError;
-pub use hierarchy::{Bound, Hierarchy, HierarchyReport, hierarchical_map};
+pub use hierarchy::{Bound, Hierarchy, HierarchyReport, hierarchical_map, hierarchical_map_into};
 pub use map::PixelMap;
 pub use raster::Raster;
 pub use resample::{resample, resample_into, resample_through};

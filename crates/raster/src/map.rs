@@ -73,9 +73,16 @@ impl PixelMap {
         window: Window,
     ) -> Result<Self, RasterError> {
         let mut map = Self::identity(window)?;
+        map.evaluate(deformation);
+        Ok(map)
+    }
+
+    /// The same over the map's own window and memory.
+    pub fn evaluate(&mut self, deformation: &dyn Deformation<Plane>) {
+        let window = self.window;
         let width = window.width();
         parallel::chunks_with(
-            &mut map.offsets,
+            &mut self.offsets,
             width * ROWS,
             Vec::new,
             |points, task, out| {
@@ -84,7 +91,6 @@ impl PixelMap {
                 }
             },
         );
-        Ok(map)
     }
 
     /// The pixels it is for.

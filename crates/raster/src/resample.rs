@@ -113,28 +113,18 @@ fn draw<'a>(
                 let here = (row - around.start) * width;
                 let offsets_here = &offsets[here..here + width];
                 let centre = window.centre(0, row);
-                let position = |column: usize| {
-                    let [x, y] = offsets_here[column];
-                    dvec2(
-                        centre.x + column as f64 + f64::from(x),
-                        centre.y + f64::from(y),
-                    )
-                };
                 let jacobian = |column: usize| {
                     let row = row - around.start;
                     footprint(&offsets, width, around.len(), column, row)
                 };
-                if border == 0 {
-                    sampler.row(position, |_| DMat2::IDENTITY, out);
-                } else {
-                    sampler.row(position, jacobian, out);
-                }
+                sampler.row(centre, offsets_here, jacobian, out);
             }
         },
     );
 }
 
 /// The derivative of the source position by the target position, from the neighbours that there are.
+#[inline(always)]
 fn footprint(
     offsets: &[[f32; 2]],
     width: usize,
@@ -147,13 +137,9 @@ fn footprint(
         dvec2(f64::from(x), f64::from(y))
     };
     let ends = |here: usize, size: usize| (here.saturating_sub(1), (here + 1).min(size - 1));
-    let slope = |from: DVec2, to: DVec2, steps: usize| {
-        if steps == 0 {
-            DVec2::ZERO
-        } else {
-            (to - from) / steps as f64
-        }
-    };
+    // One or two steps, or none where there is only one pixel.
+    let slope =
+        |from: DVec2, to: DVec2, steps: usize| (to - from) * if steps == 2 { 0.5 } else { 1.0 };
     let (left, right) = ends(column, width);
     let (above, below) = ends(row, height);
     let across = slope(at(left, row), at(right, row), right - left);

@@ -33,9 +33,10 @@ mod patch;
 
 use crate::{PixelMap, RasterError, Window, parallel};
 use anamorph_core::{Deformation, Domain, Plane};
-use band::{Band, Scratch};
+use band::{Band, Work};
 use coarse::Coarse;
 use knowledge::Knowledge;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Size of the smallest cells. A cell of 4 pixels would cost 11 evaluations, 2 Jacobian differences among them, for 16 pixels.
 const FINEST: usize = 8;
@@ -165,72 +166,102 @@ pub fn hierarchical_map(
     window: Window,
     options: &Hierarchy,
 ) -> Result<(PixelMap, HierarchyReport), RasterError> {
+    let mut map = PixelMap::identity(window)?;
+    let report = hierarchical_map_into(deformation, options, &mut map)?;
+    Ok((map, report))
+}
+
+/// As [`hierarchical_map`], over a map that is already there: sequences need no new memory for each picture, which on large
+/// ones takes longer than all else.
+///
+/// # Errors
+/// As [`hierarchical_map`].
+pub fn hierarchical_map_into(
+    deformation: &dyn Deformation<Plane>,
+    options: &Hierarchy,
+    map: &mut PixelMap,
+) -> Result<HierarchyReport, RasterError> {
     options.check()?;
     if deformation.domain() == Domain::Model {
-        return exact(deformation, window, options);
+        return Ok(exact(deformation, options, map));
     }
-    let mut map = PixelMap::identity(window)?;
+    let window = map.window();
     let knowledge = Knowledge::new(&deformation.facts(), window, options);
     let coarse = Coarse::new(deformation, window, options.coarsest)?;
     let mut report = HierarchyReport {
         evaluations: coarse.evaluations(),
         ..HierarchyReport::NOTHING
     };
-    let rows = Band::rows(options.coarsest);
-    let mut bands: Vec<_> = map
-        .offsets_mut()
-        .chunks_mut(rows * window.width())
-        .map(|out| (out, HierarchyReport::NOTHING))
-        .collect();
-    parallel::chunks_with(
-        &mut bands,
-        1,
-        || Scratch::new(window.width(), options.coarsest),
-        |scratch, number, bands| {
-            for (out, report) in bands {
-                let top = number * rows;
-                *report = Band::new(
-                    deformation,
-                    window,
-                    options,
-                    &knowledge,
-                    &coarse,
-                    top,
-                    scratch,
-                )
-                .draw(out);
+    let work = Work {
+        deformation,
+        window,
+        options,
+        knowledge: &knowledge,
+        coarse: &coarse,
+    };
+    // All bands decide, then all look at their neighbours' decisions, until nobody changes anything: so the cells are the
+    // same whichever band is first.
+    let mut bands: Vec<Option<Band<'_>>> = Vec::new();
+    bands.resize_with(window.height().div_ceil(Band::ROWS), || None);
+    loop {
+        parallel::chunks(&mut bands, 1, |number, bands| {
+            for band in bands {
+                band.get_or_insert_with(|| Band::new(&work, number))
+                    .decide();
             }
-        },
-    );
-    for (_, band) in &bands {
-        report.add(band);
+        });
+        let rims: Vec<_> = bands.iter().flatten().map(Band::rims).collect();
+        let changed = AtomicBool::new(false);
+        parallel::chunks(&mut bands, 1, |number, bands| {
+            let above = number.checked_sub(1).and_then(|n| rims.get(n));
+            for band in bands.iter_mut().flatten() {
+                if band.grade(above, rims.get(number + 1)) {
+                    changed.store(true, Ordering::Relaxed);
+                }
+            }
+        });
+        if !changed.into_inner() {
+            break;
+        }
+    }
+    let mut parts: Vec<_> = bands
+        .iter_mut()
+        .flatten()
+        .zip(map.offsets_mut().chunks_mut(Band::ROWS * window.width()))
+        .collect();
+    parallel::chunks(&mut parts, 1, |_, parts| {
+        for (band, out) in parts {
+            band.fill(out);
+        }
+    });
+    for band in bands.iter().flatten() {
+        report.add(band.report());
     }
     drop(bands);
     report.max_error = report.max_error.max(options.max_error);
     if report.estimated_pixels > 0 {
         report.bound = Bound::Estimated;
     }
-    Ok((map, report))
+    Ok(report)
 }
 
 /// The map evaluated at every pixel, as a hierarchical one.
 fn exact(
     deformation: &dyn Deformation<Plane>,
-    window: Window,
     options: &Hierarchy,
-) -> Result<(PixelMap, HierarchyReport), RasterError> {
-    let map = PixelMap::from_deformation(deformation, window)?;
+    map: &mut PixelMap,
+) -> HierarchyReport {
+    map.evaluate(deformation);
     let pixels = map.offsets().len();
     let largest = map
         .offsets()
         .as_flattened()
         .iter()
         .fold(0.0_f32, |most, offset| most.max(offset.abs()));
-    let report = HierarchyReport {
+    HierarchyReport {
         max_error: options.max_error.max(patch::rounding(f64::from(largest))),
         evaluations: pixels,
         exact_pixels: pixels,
         ..HierarchyReport::NOTHING
-    };
-    Ok((map, report))
+    }
 }

@@ -22,52 +22,66 @@ const SLIMMEST: f64 = 8.0;
 /// to a level: the level's own squares then make up less than a tenth of the filter's variance.
 const WIDEST: f64 = 3.0;
 
-/// What a target pixel covers.
+/// What a target pixel covers: the ellipse `dᵀ C⁻¹ d ≤ 1`, by the entries `xx`, `xy`, `yy` of `C`, and the square of its
+/// shorter semi-axis.
+#[derive(Clone, Copy)]
 pub(super) struct Ellipse {
-    /// The longer semi-axis.
-    major: DVec2,
-    /// The shorter one, perpendicular to it.
-    minor: DVec2,
+    xx: f64,
+    xy: f64,
+    yy: f64,
+    short: f64,
 }
 
 impl Ellipse {
     /// The image of the unit disc, widened as the module's documentation says. A Jacobian that is not finite gives the disc.
+    ///
+    /// `C` is `J·Jᵀ` with other eigenvalues. For two rows and columns a function of a matrix is a multiple of it plus a
+    /// multiple of the identity, so that no eigenvector is needed.
+    #[inline(always)]
     pub(super) fn new(jacobian: DMat2) -> Self {
         let mut j = jacobian;
-        if !(j.is_finite() && j.x_axis.abs().max(j.y_axis.abs()).max_element() < 1e100) {
+        // False for what is not a number.
+        let tame = |x: f64| x.abs() < 1e60;
+        if !(tame(j.x_axis.x) && tame(j.x_axis.y) && tame(j.y_axis.x) && tame(j.y_axis.y)) {
             j = DMat2::IDENTITY;
         }
-        // Eigenvectors of J·Jᵀ.
         let a = j.x_axis.x * j.x_axis.x + j.y_axis.x * j.y_axis.x;
         let b = j.x_axis.x * j.x_axis.y + j.y_axis.x * j.y_axis.y;
         let c = j.x_axis.y * j.x_axis.y + j.y_axis.y * j.y_axis.y;
-        let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
+        let half = 0.5 * (a - c);
         let spread = (half * half + b * b).sqrt();
-        let largest = mean + spread;
-        // Of the two forms of the eigenvector the one without cancellation.
-        let along = if half >= 0.0 {
-            DVec2::new(half + spread, b)
-        } else {
-            DVec2::new(b, spread - half)
-        };
-        let along = along.try_normalize().unwrap_or(DVec2::X);
-        let long = largest.sqrt().max(1.0);
-        // The determinant over the longer axis: no difference of nearly equal numbers.
-        let short = if largest > 0.0 {
-            j.determinant().abs() / largest.sqrt()
+        let large = 0.5 * (a + c) + spread;
+        let small = large - 2.0 * spread;
+        let long = large.max(1.0);
+        let short = small.max(1.0).max(long / (SLIMMEST * SLIMMEST));
+        // The multiple of `J·Jᵀ`; where its eigenvalues are alike there is none to tell apart.
+        let share = if spread > 1e-12 * large {
+            (long - short) / (large - small)
         } else {
             0.0
         };
-        let short = short.max(1.0).max(long / SLIMMEST).min(long);
         Self {
-            major: along * long,
-            minor: along.perp() * short,
+            xx: short + share * (a - small),
+            xy: share * b,
+            yy: short + share * (c - small),
+            short,
+        }
+    }
+
+    /// The ellipse on a raster that is smaller by those factors.
+    fn scaled(self, x: f64, y: f64) -> Self {
+        Self {
+            xx: self.xx * x * x,
+            xy: self.xy * x * y,
+            yy: self.yy * y * y,
+            short: self.short,
         }
     }
 }
 
 /// The mean over the ellipse about `at`, from the raster's corner. What is not finite shows as far as the ellipse reaches,
 /// on the level that is read.
+#[inline(always)]
 pub(super) fn filtered(
     base: &Grid<'_>,
     pyramid: &Pyramid,
@@ -75,16 +89,15 @@ pub(super) fn filtered(
     ellipse: &Ellipse,
     out: &mut [f32],
 ) {
-    let mut short = ellipse.minor.length();
+    let mut short = ellipse.short;
     let mut number = 0;
-    while short >= WIDEST && number < pyramid.levels.len() {
-        short *= 0.5;
+    while short >= WIDEST * WIDEST && number < pyramid.levels.len() {
+        short *= 0.25;
         number += 1;
     }
     let level = number.checked_sub(1).and_then(|n| pyramid.levels.get(n));
     let Some(level) = level else {
-        let quadric = Quadric::new(ellipse.major, ellipse.minor);
-        return mean(base, at, &quadric, out);
+        return mean(base, at, &Quadric::new(*ellipse), out);
     };
     let grid = Grid::new(
         &level.samples,
@@ -98,111 +111,158 @@ pub(super) fn filtered(
         level.height as f64 / base.height as f64,
     );
     // Beyond the last level an ellipse may be as large as it likes; there is one pixel to see, and its surroundings.
-    let shrink = (WIDEST / short).min(1.0);
-    let quadric = Quadric::new(
-        ellipse.major * scale * shrink,
-        ellipse.minor * scale * shrink,
-    );
-    mean(&grid, at * scale, &quadric, out);
+    let shrink = (WIDEST / short.sqrt()).min(1.0);
+    let ellipse = ellipse.scaled(scale.x * shrink, scale.y * shrink);
+    mean(&grid, at * scale, &Quadric::new(ellipse), out);
 }
 
-/// An ellipse `a·x² + b·x·y + c·y² ≤ 1` and how far it reaches up and down.
+/// An ellipse `a·(x − m·y)² + c·y² ≤ 1`.
 struct Quadric {
     a: f64,
-    b: f64,
+    m: f64,
     c: f64,
+    /// `1/a`.
+    width: f64,
+    /// How far it reaches up and down.
     reach: f64,
 }
 
 impl Quadric {
-    /// The ellipse with two conjugate semi-diameters.
-    fn new(u: DVec2, v: DVec2) -> Self {
-        let determinant = u.x * v.y - u.y * v.x;
-        let scale = 1.0 / (determinant * determinant);
+    #[inline(always)]
+    fn new(Ellipse { xx, xy, yy, .. }: Ellipse) -> Self {
+        let determinant = xx * yy - xy * xy;
         Self {
-            a: (u.y * u.y + v.y * v.y) * scale,
-            b: -2.0 * (u.x * u.y + v.x * v.y) * scale,
-            c: (u.x * u.x + v.x * v.x) * scale,
-            reach: (u.y * u.y + v.y * v.y).sqrt(),
+            a: yy / determinant,
+            m: xy / yy,
+            c: 1.0 / yy,
+            width: determinant / yy,
+            reach: yy.sqrt(),
         }
     }
 }
 
 /// The weighted mean of the pixels whose centres the ellipse holds.
+#[inline(always)]
 fn mean(grid: &Grid<'_>, at: DVec2, quadric: &Quadric, out: &mut [f32]) {
-    if grid.channels == 4
-        && let ([four], []) = out.as_chunks_mut::<4>()
-    {
-        *four = channels::<4>(grid, at, quadric, 0);
-        return;
+    macro_rules! whole {
+        ($($channels:literal)*) => {
+            match grid.channels {
+                $($channels => {
+                    if let Some(out) = out.first_chunk_mut::<$channels>() {
+                        *out = channels(grid, at, quadric, 0);
+                    }
+                })*
+                _ => {
+                    for (channel, sample) in out.iter_mut().enumerate() {
+                        [*sample] = channels::<1>(grid, at, quadric, channel);
+                    }
+                }
+            }
+        };
     }
-    for (channel, sample) in out.iter_mut().enumerate() {
-        [*sample] = channels::<1>(grid, at, quadric, channel);
+    whole!(1 3 4);
+}
+
+/// A sum of weighted samples.
+struct Sum<const N: usize> {
+    sum: [f32; N],
+    total: f32,
+    /// A single tap is copied: a weight and its reciprocal need not multiply to 1.
+    taps: u32,
+    only: [f32; N],
+}
+
+impl<const N: usize> Sum<N> {
+    /// Adds a tap, or, without a sample, a weight alone.
+    #[inline(always)]
+    fn add(&mut self, weight: f64, samples: Option<&[f32; N]>) {
+        let weight = (weight * weight) as f32;
+        self.total += weight;
+        self.taps += 1;
+        if let Some(samples) = samples {
+            self.only = *samples;
+            for (sum, sample) in self.sum.iter_mut().zip(samples) {
+                *sum += sample * weight;
+            }
+        }
     }
 }
 
 /// The mean for `N` channels from `channel` on.
+#[inline(always)]
 fn channels<const N: usize>(
     grid: &Grid<'_>,
     at: DVec2,
     quadric: &Quadric,
     channel: usize,
 ) -> [f32; N] {
-    let Quadric { a, b, c, reach } = *quadric;
+    let Quadric {
+        a,
+        m,
+        c,
+        width,
+        reach,
+    } = *quadric;
     let centre = at - 0.5;
-    let (mut sum, mut total) = ([0.0_f32; N], 0.0_f32);
-    // A single tap is copied: a weight and its reciprocal need not multiply to 1.
-    let (mut taps, mut only) = (0_u32, [0.0_f32; N]);
+    let mut sum = Sum {
+        sum: [0.0; N],
+        total: 0.0,
+        taps: 0,
+        only: [0.0; N],
+    };
     // The next whole number from `x` on.
-    let from = |x: f64| split(x).0 + i64::from(split(x).1 > 0.0);
+    let from = |x: f64| -split(-x).0;
     let (first, last) = (from(centre.y - reach), split(centre.y + reach).0);
     for row in first..=last {
         let y = row as f64 - centre.y;
-        let middle = -0.5 * b * y / a;
-        // r² on this row is `a·(x − middle)² + rest`.
-        let rest = c * y * y - a * middle * middle;
-        if rest >= 1.0 {
+        let rest = 1.0 - c * y * y;
+        if rest <= 0.0 {
             continue;
         }
-        let half = ((1.0 - rest) / a).sqrt();
-        let (left, right) = (centre.x + middle - half, centre.x + middle + half);
-        let (left, right) = (from(left), split(right).0);
+        let middle = centre.x + m * y;
+        let half = (rest * width).sqrt();
+        let (left, right) = (from(middle - half), split(middle + half).0);
         let line = grid.edge.pixel(row, grid.height);
-        let inside = left >= 0 && right < grid.width as i64;
-        for column in left..=right {
-            let x = column as f64 - centre.x - middle;
-            let weight = 1.0 - (a * x * x + rest);
-            if weight <= 0.0 {
-                continue;
-            }
-            let weight = (weight * weight) as f32;
-            total += weight;
-            let pixel = if inside {
-                Some(column as usize)
-            } else {
-                grid.edge.pixel(column, grid.width)
-            };
-            taps += 1;
-            let (Some(pixel), Some(line)) = (pixel, line) else {
-                continue;
-            };
-            let start = grid.at(pixel, line) + channel;
-            if let Some(samples) = grid.samples[start..].first_chunk::<N>() {
-                only = *samples;
-                for (sum, sample) in sum.iter_mut().zip(samples) {
-                    *sum += sample * weight;
+        let x = left as f64 - middle;
+        let weight = |i: usize| {
+            let x = x + i as f64;
+            rest - a * x * x
+        };
+        if let Some(line) = line
+            && left >= 0
+            && left <= right
+            && right < grid.width as i64
+            && grid.channels == N
+        {
+            let range = grid.at(left as usize, line)..grid.at(right as usize + 1, line);
+            let (pixels, _) = grid.samples[range].as_chunks::<N>();
+            for (i, samples) in pixels.iter().enumerate() {
+                let weight = weight(i);
+                if weight > 0.0 {
+                    sum.add(weight, Some(samples));
                 }
+            }
+            continue;
+        }
+        for (i, column) in (left..=right).enumerate() {
+            let weight = weight(i);
+            if weight > 0.0 {
+                let pixel = line.zip(grid.edge.pixel(column, grid.width));
+                let samples = pixel.and_then(|(line, pixel)| {
+                    grid.samples[grid.at(pixel, line) + channel..].first_chunk::<N>()
+                });
+                sum.add(weight, samples);
             }
         }
     }
-    if taps == 1 {
-        return only;
+    if sum.taps == 1 {
+        return sum.only;
     }
-    if total > 0.0 {
-        let scale = 1.0 / total;
-        sum.iter_mut().for_each(|sum| *sum *= scale);
+    if sum.total > 0.0 {
+        let scale = 1.0 / sum.total;
+        sum.sum.iter_mut().for_each(|sum| *sum *= scale);
     }
-    sum
+    sum.sum
 }
 
 #[cfg(test)]
@@ -211,24 +271,24 @@ mod tests {
 
     #[test]
     fn ellipses_are_images_of_the_disc_made_wide_enough() {
+        // Squares of the semi-axes, the longer first.
         let axes = |columns: [f64; 4]| {
             let e = Ellipse::new(DMat2::from_cols_array(&columns));
-            (e.major, e.minor)
+            let spread = (0.25 * (e.xx - e.yy).powi(2) + e.xy * e.xy).sqrt();
+            let mean = 0.5 * (e.xx + e.yy);
+            assert!((mean - spread - e.short).abs() < 1e-9 * mean);
+            (mean + spread, mean - spread)
         };
-        let (major, minor) = axes([1.0, 0.0, 0.0, 1.0]);
-        assert_eq!((major.length(), minor.length()), (1.0, 1.0));
-        let (major, minor) = axes([0.0, 5.0, -2.0, 0.0]);
-        assert!((major.abs() - dvec2(0.0, 5.0)).length() < 1e-12);
-        assert!((minor.abs() - dvec2(2.0, 0.0)).length() < 1e-12);
+        assert_eq!(axes([1.0, 0.0, 0.0, 1.0]), (1.0, 1.0));
+        let (long, short) = axes([0.0, 5.0, -2.0, 0.0]);
+        assert!((long - 25.0).abs() < 1e-12 && (short - 4.0).abs() < 1e-12);
         // A shear: the product of the axes is the determinant, the sum of squares that of the entries.
-        let (major, minor) = axes([6.0, 1.0, 8.0, 4.0]);
-        assert!((major.length() * minor.length() - 16.0).abs() < 1e-12);
-        assert!((major.length_squared() + minor.length_squared() - 117.0).abs() < 1e-12);
+        let (long, short) = axes([6.0, 1.0, 8.0, 4.0]);
+        assert!((long * short - 256.0).abs() < 1e-9 && (long + short - 117.0).abs() < 1e-9);
         for odd in [[f64::NAN; 4], [0.0; 4], [f64::INFINITY, 0.0, 0.0, 1.0]] {
-            let (major, minor) = axes(odd);
-            assert_eq!((major.length(), minor.length()), (1.0, 1.0));
+            assert_eq!(axes(odd), (1.0, 1.0));
         }
-        let (major, minor) = axes([100.0, 0.0, 0.0, 0.01]);
-        assert_eq!((major.length(), minor.length()), (100.0, 12.5));
+        let (long, short) = axes([100.0, 0.0, 0.0, 0.01]);
+        assert!((long - 1e4).abs() < 1e-8 && (short - 156.25).abs() < 1e-8);
     }
 }

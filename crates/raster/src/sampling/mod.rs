@@ -17,7 +17,8 @@ pub use edge::Edge;
 pub use filter::Filter;
 
 use crate::Raster;
-use anamorph_core::glam::{DMat2, DVec2};
+use anamorph_core::glam::{DMat2, DVec2, dvec2};
+use anamorph_core::simd::{Level, dispatch};
 use elliptical::Ellipse;
 use filter::Kernel;
 use pyramid::Pyramid;
@@ -59,18 +60,17 @@ impl<'a> Sampler<'a> {
     /// `jacobian` is the derivative of the source position by the target position: what a pixel of the target covers.
     /// Only [`Filter::ANISOTROPIC`] reads it; one that is not finite counts as the identity.
     pub fn sample(&self, position: DVec2, jacobian: DMat2, out: &mut [f32]) {
-        let local = position - self.raster.window().corner();
+        self.sample_at(position - self.raster.window().corner(), jacobian, out);
+    }
+
+    /// The same for a position from the raster's corner.
+    #[inline(always)]
+    fn sample_at(&self, local: DVec2, jacobian: DMat2, out: &mut [f32]) {
         if !local.is_finite() {
             out.fill(0.0);
             return;
         }
-        let grid = Grid::new(
-            self.raster.samples(),
-            self.raster.width(),
-            self.raster.height(),
-            self.raster.channels(),
-            self.edge,
-        );
+        let grid = self.grid();
         match (self.filter.kernel(), &self.pyramid) {
             (Kernel::Nearest, _) => separable::nearest(&grid, local, out),
             (Kernel::Separable { taps, weights }, _) => {
@@ -84,30 +84,76 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// Fills a row of pixels from their positions, which `position(i)` gives. The same numbers as [`Sampler::sample`].
-    #[inline]
+    #[inline(always)]
+    fn one_by_one<'b>(
+        &self,
+        pixels: impl Iterator<Item = ((usize, DVec2), &'b mut [f32])>,
+        jacobian: impl Fn(usize) -> DMat2,
+    ) {
+        for ((i, at), pixel) in pixels {
+            self.sample_at(at, jacobian(i), pixel);
+        }
+    }
+
+    fn grid(&self) -> Grid<'a> {
+        Grid::new(
+            self.raster.samples(),
+            self.raster.width(),
+            self.raster.height(),
+            self.raster.channels(),
+            self.edge,
+        )
+    }
+
+    /// Fills a row of pixels: from `first`, the centre of the first, and the offsets of their source positions. The same
+    /// numbers as [`Sampler::sample`].
     pub(crate) fn row(
         &self,
-        position: impl Fn(usize) -> DVec2,
+        first: DVec2,
+        offsets: &[[f32; 2]],
         jacobian: impl Fn(usize) -> DMat2,
         out: &mut [f32],
     ) {
         let channels = self.raster.channels();
-        if channels == 4 && self.filter == Filter::BILINEAR {
-            let (pixels, _) = out.as_chunks_mut::<4>();
-            let corner = self.raster.window().corner();
-            let quads = separable::Quads::new(self.raster);
-            for (i, pixel) in pixels.iter_mut().enumerate() {
-                let position = position(i);
-                match quads.bilinear(position - corner) {
-                    Some(value) => *pixel = value,
-                    None => self.sample(position, DMat2::IDENTITY, pixel),
-                }
+        // From the raster's corner, once for all: the same rounding in all ways through.
+        let first = first - self.raster.window().corner();
+        let positions = (0..).zip(offsets).map(|(column, offset): (u32, _)| {
+            let [x, y] = offset.map(f64::from);
+            dvec2(first.x + f64::from(column) + x, first.y + y)
+        });
+        let grid = self.grid();
+        let slow = |at: DVec2, pixel: &mut [f32]| {
+            self.sample_at(at, DMat2::IDENTITY, pixel);
+        };
+        if let Kernel::Separable { taps, weights } = self.filter.kernel() {
+            macro_rules! quick {
+                ($taps:literal, $weights:expr, $($channels:literal)*) => {
+                    match channels {
+                        $($channels => return separable::row::<$taps, $channels>(
+                            &grid, $weights, first, offsets, out, slow,
+                        ),)*
+                        _ => {}
+                    }
+                };
             }
-            return;
+            if self.filter == Filter::BILINEAR {
+                quick!(2, |t| [1.0 - t, t], 1 2 3 4);
+            } else if taps == 4 {
+                quick!(4, |t| first_weights(weights, t), 1 2 3 4);
+            } else if taps == 6 {
+                quick!(6, |t| first_weights(weights, t), 1 2 3 4);
+            }
         }
-        for (i, pixel) in out.chunks_exact_mut(channels).enumerate() {
-            self.sample(position(i), jacobian(i), pixel);
-        }
+        let pixels = positions.enumerate().zip(out.chunks_exact_mut(channels));
+        // With the processor's widest vectors; their operations are the same as without.
+        dispatch!(Level::new(), _v => self.one_by_one(pixels, jacobian));
     }
+}
+
+/// The first weights of a filter.
+#[inline]
+fn first_weights<const T: usize>(weights: filter::Weights, t: f64) -> [f64; T] {
+    let mut list = [0.0; filter::TAPS];
+    weights(t, &mut list);
+    core::array::from_fn(|tap| list[tap])
 }

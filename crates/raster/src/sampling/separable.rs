@@ -2,8 +2,8 @@
 
 use super::edge::Edge;
 use super::filter::{TAPS, Weights};
-use crate::Raster;
 use anamorph_core::glam::DVec2;
+use anamorph_core::simd::{Level, dispatch};
 
 /// Beyond this magnitude every position is a pixel's corner, and counting in whole numbers would overflow.
 const FAR: f64 = (1_i64 << 52) as f64;
@@ -140,54 +140,122 @@ fn sum<const N: usize>(grid: &Grid<'_>, across: &Axis, down: &Axis, channel: usi
     total
 }
 
-/// Rasters of four channels, for the quick way through the bilinear filter.
-pub(super) struct Quads<'a> {
-    pixels: &'a [[f32; 4]],
-    width: usize,
-    /// Positions from the first pixel's centre below these have all four pixels.
-    inside: DVec2,
+/// The quick way for whole rows, with the number of taps and channels known to the compiler: positions whose taps are all
+/// inside the raster and have weight. The others are left to `slow`, which is given the position.
+///
+/// Operations and their order are those of [`filtered`].
+pub(super) fn row<const T: usize, const N: usize>(
+    grid: &Grid<'_>,
+    weights: impl Fn(f64) -> [f64; T],
+    first: DVec2,
+    offsets: &[[f32; 2]],
+    out: &mut [f32],
+    slow: impl Fn(DVec2, &mut [f32]),
+) {
+    let (pixels, _) = out.as_chunks_mut::<N>();
+    if u32::try_from(grid.samples.len()).is_err() {
+        for (i, (pixel, offset)) in pixels.iter_mut().zip(offsets).enumerate() {
+            let [u, v] = offset.map(f64::from);
+            slow(DVec2::new(first.x + i as f64 + u, first.y + v), pixel);
+        }
+        return;
+    }
+    // With the processor's widest vectors; their operations are the same as without.
+    dispatch!(Level::new(), _v => runs::<T, N>(grid, weights, first, offsets, pixels, slow));
 }
 
-impl<'a> Quads<'a> {
-    pub(super) fn new(raster: &'a Raster) -> Self {
-        let (width, height) = (raster.width(), raster.height());
-        Self {
-            pixels: raster.samples().as_chunks::<4>().0,
-            width,
-            inside: DVec2::new(width as f64 - 1.0, height as f64 - 1.0),
-        }
-    }
+/// Pixels whose places are found together.
+const RUN: usize = 32;
 
-    /// As [`filtered`], for positions strictly between four pixels; none elsewhere.
-    #[inline(always)]
-    pub(super) fn bilinear(&self, at: DVec2) -> Option<[f32; 4]> {
-        let (x, y) = (at.x - 0.5, at.y - 0.5);
-        if !(x > 0.0 && y > 0.0 && x < self.inside.x && y < self.inside.y) {
-            return None;
+/// Where the pixels of a run lie: their columns and rows, how far beyond, and whether all taps are inside.
+struct Places {
+    from: [u32; RUN],
+    across: [f64; RUN],
+    down: [f64; RUN],
+    inside: [bool; RUN],
+}
+
+#[inline(always)]
+fn runs<const T: usize, const N: usize>(
+    grid: &Grid<'_>,
+    weights: impl Fn(f64) -> [f64; T],
+    first: DVec2,
+    offsets: &[[f32; 2]],
+    pixels: &mut [[f32; N]],
+    slow: impl Fn(DVec2, &mut [f32]),
+) {
+    let (samples, _) = grid.samples.as_chunks::<N>();
+    let before = T / 2 - 1;
+    // From the first pixel's centre: there are `before` pixels to the left and `T / 2` to the right.
+    let least = before as f64;
+    let most_x = grid.width as f64 - (T / 2) as f64;
+    let most_y = grid.height as f64 - (T / 2) as f64;
+    let width = grid.width as f64;
+    let mut places = Places {
+        from: [0; RUN],
+        across: [0.0; RUN],
+        down: [0.0; RUN],
+        inside: [false; RUN],
+    };
+    let runs = pixels.chunks_mut(RUN).zip(offsets.chunks(RUN));
+    for (number, (pixels, offsets)) in runs.enumerate() {
+        let start = number * RUN;
+        for (i, offset) in offsets.iter().enumerate() {
+            let [u, v] = offset.map(f64::from);
+            let x = first.x + (start + i) as f64 + u - 0.5;
+            let y = first.y + v - 0.5;
+            let inside = (x >= least) & (x < most_x) & (y >= least) & (y < most_y);
+            let (x, y) = if inside { (x, y) } else { (least, least) };
+            let (column, row) = (x.floor(), y.floor());
+            places.across[i] = x - column;
+            places.down[i] = y - row;
+            // A whole number, and one that 32 bits hold: the quick way is for no larger rasters.
+            places.from[i] = ((row - least) * width + (column - least)) as u32;
+            places.inside[i] = inside;
         }
-        // The width fits 32 bits wherever the samples of a row fit the memory of most machines; where not, the slow way.
-        let (column, row) = (x as i32, y as i32);
-        let (tx, ty) = ((x - f64::from(column)) as f32, (y - f64::from(row)) as f32);
-        if tx == 0.0 || ty == 0.0 || tx >= 1.0 || ty >= 1.0 {
-            return None;
+        for (i, (pixel, offset)) in pixels.iter_mut().zip(offsets).enumerate() {
+            if places.inside[i] {
+                let across = weights(places.across[i]).map(|w| w as f32);
+                let down = weights(places.down[i]).map(|w| w as f32);
+                let all = across.iter().chain(&down).all(|&w| w != 0.0);
+                if all
+                    && let Some(value) =
+                        block(samples, places.from[i] as usize, grid.width, &across, &down)
+                {
+                    *pixel = value;
+                    continue;
+                }
+            }
+            let [u, v] = offset.map(f64::from);
+            let column = (start + i) as f64;
+            slow(DVec2::new(first.x + column + u, first.y + v), pixel);
         }
-        let start = row as usize * self.width + column as usize;
-        let upper = self.pixels.get(start..start + 2)?;
-        let lower = self
-            .pixels
-            .get(start + self.width..start + self.width + 2)?;
-        let (sx, sy) = (
-            (1.0 - (x - f64::from(column))) as f32,
-            (1.0 - (y - f64::from(row))) as f32,
-        );
-        let mut value = [0.0_f32; 4];
-        for (channel, value) in value.iter_mut().enumerate() {
-            let above = upper[0][channel] * sx + upper[1][channel] * tx;
-            let below = lower[0][channel] * sx + lower[1][channel] * tx;
-            *value = above * sy + below * ty;
-        }
-        Some(value)
     }
+}
+
+/// The weighted sum of `T × T` pixels from `start` on.
+#[inline(always)]
+fn block<const T: usize, const N: usize>(
+    pixels: &[[f32; N]],
+    start: usize,
+    width: usize,
+    across: &[f32; T],
+    down: &[f32; T],
+) -> Option<[f32; N]> {
+    let mut total = [0.0_f32; N];
+    for (row, down) in down.iter().enumerate() {
+        let taps = pixels.get(start + row * width..)?.first_chunk::<T>()?;
+        let mut line = [0.0_f32; N];
+        for (tap, across) in taps.iter().zip(across) {
+            for (sum, sample) in line.iter_mut().zip(tap) {
+                *sum += sample * across;
+            }
+        }
+        for (sum, line) in total.iter_mut().zip(line) {
+            *sum += line * down;
+        }
+    }
+    Some(total)
 }
 
 #[cfg(test)]
