@@ -125,6 +125,8 @@ struct Quadric {
     width: f64,
     /// How far it reaches up and down.
     reach: f64,
+    /// Whether it reaches less than 1½ pixels in all directions.
+    small: bool,
 }
 
 impl Quadric {
@@ -137,6 +139,7 @@ impl Quadric {
             c: 1.0 / yy,
             width: determinant / yy,
             reach: yy.sqrt(),
+            small: xx < 2.25 && yy < 2.25,
         }
     }
 }
@@ -188,6 +191,55 @@ impl<const N: usize> Sum<N> {
     }
 }
 
+/// The mean over a small ellipse inside the raster, without choices: all nine pixels it may hold, those outside with weight 0.
+/// None where that is no answer: with a single tap, and where something is not finite, which weight 0 would not keep out.
+#[inline(always)]
+fn small<const N: usize>(grid: &Grid<'_>, at: DVec2, quadric: &Quadric) -> Option<[f32; N]> {
+    let inside = |x: f64, size: usize| x >= 1.0 && x < size as f64 - 1.0;
+    if !quadric.small
+        || grid.channels != N
+        || !inside(at.x, grid.width)
+        || !inside(at.y, grid.height)
+    {
+        return None;
+    }
+    // The pixel that the position lies in is the middle one.
+    let (column, row) = (at.x as usize - 1, at.y as usize - 1);
+    let (x, y) = (column as f64 - (at.x - 0.5), row as f64 - (at.y - 0.5));
+    let mut weights = [[0.0_f32; 3]; 3];
+    let (mut total, mut taps) = (0.0_f32, 0);
+    for (i, line) in weights.iter_mut().enumerate() {
+        let y = y + i as f64;
+        let rest = 1.0 - quadric.c * y * y;
+        let x = x - quadric.m * y;
+        for (j, weight) in line.iter_mut().enumerate() {
+            let x = x + j as f64;
+            let w = (rest - quadric.a * x * x).max(0.0);
+            *weight = (w * w) as f32;
+            taps += i32::from(w > 0.0);
+        }
+    }
+    let mut sum = [0.0_f32; N];
+    let (pixels, _) = grid.samples.as_chunks::<N>();
+    for (i, line) in weights.iter().enumerate() {
+        let start = (row + i) * grid.width + column;
+        let taps = pixels.get(start..)?.first_chunk::<3>()?;
+        for (weight, samples) in line.iter().zip(taps) {
+            total += weight;
+            for (sum, sample) in sum.iter_mut().zip(samples) {
+                *sum += sample * weight;
+            }
+        }
+    }
+    let scale = 1.0 / total;
+    let mut probe = 0.0;
+    for sum in &mut sum {
+        *sum *= scale;
+        probe += *sum * 0.0;
+    }
+    (taps > 1 && probe == 0.0).then_some(sum)
+}
+
 /// The mean for `N` channels from `channel` on.
 #[inline(always)]
 fn channels<const N: usize>(
@@ -196,12 +248,16 @@ fn channels<const N: usize>(
     quadric: &Quadric,
     channel: usize,
 ) -> [f32; N] {
+    if let Some(value) = small(grid, at, quadric) {
+        return value;
+    }
     let Quadric {
         a,
         m,
         c,
         width,
         reach,
+        ..
     } = *quadric;
     let centre = at - 0.5;
     let mut sum = Sum {
@@ -223,9 +279,8 @@ fn channels<const N: usize>(
         let half = (rest * width).sqrt();
         let (left, right) = (from(middle - half), split(middle + half).0);
         let line = grid.edge.pixel(row, grid.height);
-        let x = left as f64 - middle;
-        let weight = |i: usize| {
-            let x = x + i as f64;
+        let weight = |column: i64| {
+            let x = column as f64 - middle;
             rest - a * x * x
         };
         if let Some(line) = line
@@ -236,16 +291,16 @@ fn channels<const N: usize>(
         {
             let range = grid.at(left as usize, line)..grid.at(right as usize + 1, line);
             let (pixels, _) = grid.samples[range].as_chunks::<N>();
-            for (i, samples) in pixels.iter().enumerate() {
-                let weight = weight(i);
+            for (column, samples) in (left..).zip(pixels) {
+                let weight = weight(column);
                 if weight > 0.0 {
                     sum.add(weight, Some(samples));
                 }
             }
             continue;
         }
-        for (i, column) in (left..=right).enumerate() {
-            let weight = weight(i);
+        for column in left..=right {
+            let weight = weight(column);
             if weight > 0.0 {
                 let pixel = line.zip(grid.edge.pixel(column, grid.width));
                 let samples = pixel.and_then(|(line, pixel)| {
