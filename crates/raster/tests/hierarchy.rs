@@ -172,6 +172,27 @@ fn creases_and_jumps_are_refined_to_pixels() {
     }
 }
 
+/// Ridges with a kink that graze the sides of cells, and end there: only a little of them is in the cells next to them.
+#[test]
+fn creases_that_graze_cells_keep_the_bound() {
+    for step in 0..60 {
+        let slope = 0.02 * f64::from(step % 7) - 0.05;
+        let height = 61.0 + 0.11 * f64::from(step);
+        let end = 20.0 + f64::from(step);
+        for turned in [false, true] {
+            let ridge = Given::everywhere(move |p: DVec2| {
+                let q = if turned { dvec2(p.y, p.x) } else { p };
+                let across = q.y - height - slope * q.x;
+                let beyond = (q.x - end).max(0.0);
+                let distance = (across * across + beyond * beyond).sqrt();
+                p + dvec2(0.3, 1.0) * (16.0 / (4.0 + distance))
+            });
+            let (error, _) = worst(&ridge, window(130, 130), &Hierarchy::default());
+            assert!(error <= 0.05, "{step} {turned}: {error}");
+        }
+    }
+}
+
 #[test]
 fn narrow_bumps_are_found_by_their_support() {
     // Between all evaluations of a cell of 32: without the support they would be missed.

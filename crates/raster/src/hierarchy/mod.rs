@@ -12,17 +12,18 @@
 //! - *derived*, where a bound of the deformation's derivatives bounds the error of interpolating between its corners: with
 //!   `‖J − I‖ ≤ L` ([`Facts::stretch`](anamorph_core::Facts::stretch)) of a continuous deformation by `L·h/√2`, `h` the cell's size,
 //!   because the weights' mean distance to the corners is at most that; with second derivatives of at most `K` by `K·h²/4`;
-//! - *estimated*, where nine evaluations between the corners, among them the middles of the edges and of the cell, where the error
-//!   of smooth maps is largest, differ by at most the allowed error over a safety factor.
+//! - *estimated*, where nine evaluations (five in the smallest cells) between the corners, among them the middles of the edges and
+//!   of the cell, where the error of smooth maps is largest, differ by at most the allowed error over a safety factor.
 //!
-//! An estimate can miss what is smaller than the distance of the evaluations, a quarter of a cell. Therefore cells are at
-//! most 32 pixels large, cells that meet the support are at most an eighth of the support's size, cells on an edge of the support
-//! where the deformation is not smooth are evaluated pixel by pixel, and a cell is never more than twice as large as a
-//! refined neighbour's parts: a crease that a cell misses has been seen by the cells that it comes from. The allowed
-//! error holds pixel by pixel in each cell, so also where cells of different sizes meet; there the map can step by at
-//! most twice that.
+//! An estimate can miss what is smaller than the distance of the evaluations, a quarter of a cell (half of the smallest).
+//! Therefore cells are at most 32 pixels large; cells that meet the support are at most an eighth of the support's size; cells on
+//! an edge of the support where the deformation is not smooth are evaluated pixel by pixel; a cell is never larger than a
+//! refined neighbour, so that a crease that a cell misses has been seen by the cells that it comes from; and the smallest
+//! cells are looked at again along the sides that they share with cells evaluated pixel by pixel. The allowed error holds
+//! pixel by pixel in each cell, so also where cells of different sizes meet; there the map can step by at most twice that.
 //!
-//! Every evaluation that a finer cell can use again is kept: the checks of a cell are corners and checks of its quarters.
+//! Every evaluation that a finer cell can use again is kept: the checks of a cell are corners and checks of its quarters. Only along
+//! the rows where two bands of 64 rows meet, each a task of its own, may finer cells evaluate the same place twice.
 //! Jacobians are differences of evaluations in one batch with the others, rather than
 //! [`Deformation::jacobian`], because batches keep the deformations' kernels.
 
