@@ -106,7 +106,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// Fills a row of pixels: from `first`, the centre of the first, and the offsets of their source positions. The same
-    /// numbers as [`Sampler::sample`].
+    /// numbers as [`Sampler::sample`], but that small offsets are not rounded to the precision of large positions.
     pub(crate) fn row(
         &self,
         first: DVec2,
@@ -152,8 +152,8 @@ impl<'a> Sampler<'a> {
 
 /// The first weights of a filter.
 #[inline]
-fn first_weights<const T: usize>(weights: filter::Weights, t: f64) -> [f64; T] {
+fn first_weights<const T: usize>(weights: filter::Weights, t: f32) -> [f32; T] {
     let mut list = [0.0; filter::TAPS];
-    weights(t, &mut list);
-    core::array::from_fn(|tap| list[tap])
+    weights(f64::from(t), &mut list);
+    core::array::from_fn(|tap| list[tap] as f32)
 }

@@ -143,20 +143,24 @@ fn sum<const N: usize>(grid: &Grid<'_>, across: &Axis, down: &Axis, channel: usi
 /// The quick way for whole rows, with the number of taps and channels known to the compiler: positions whose taps are all
 /// inside the raster and have weight. The others are left to `slow`, which is given the position.
 ///
-/// Operations and their order are those of [`filtered`].
+/// `first` is the first target pixel's centre from the source's corner: a whole number and a half. What is left of an offset
+/// above the next whole number is then what is left of the position, and is exact in `f32`; operations and their order are
+/// otherwise those of [`filtered`].
 pub(super) fn row<const T: usize, const N: usize>(
     grid: &Grid<'_>,
-    weights: impl Fn(f64) -> [f64; T],
+    weights: impl Fn(f32) -> [f32; T],
     first: DVec2,
     offsets: &[[f32; 2]],
     out: &mut [f32],
     slow: impl Fn(DVec2, &mut [f32]),
 ) {
     let (pixels, _) = out.as_chunks_mut::<N>();
-    if u32::try_from(grid.samples.len()).is_err() {
+    // Whole numbers of the quick way have 32 bits.
+    let few = |size: usize| size < 1 << 29;
+    let near = first.abs().max_element() < f64::from(1 << 29);
+    if !(near && few(grid.samples.len()) && few(offsets.len())) {
         for (i, (pixel, offset)) in pixels.iter_mut().zip(offsets).enumerate() {
-            let [u, v] = offset.map(f64::from);
-            slow(DVec2::new(first.x + i as f64 + u, first.y + v), pixel);
+            slow(at(first, i, offset), pixel);
         }
         return;
     }
@@ -164,71 +168,73 @@ pub(super) fn row<const T: usize, const N: usize>(
     dispatch!(Level::new(), _v => runs::<T, N>(grid, weights, first, offsets, pixels, slow));
 }
 
-/// Pixels whose places are found together.
-const RUN: usize = 32;
-
-/// Where the pixels of a run lie: their columns and rows, how far beyond, and whether all taps are inside.
-struct Places {
-    from: [u32; RUN],
-    across: [f64; RUN],
-    down: [f64; RUN],
-    inside: [bool; RUN],
+/// Where the pixel with that number comes from.
+fn at(first: DVec2, number: usize, offset: &[f32; 2]) -> DVec2 {
+    let [u, v] = offset.map(f64::from);
+    DVec2::new(first.x + number as f64 + u, first.y + v)
 }
+
+/// Pixels whose places are found together.
+const RUN: usize = 64;
+/// Positions nearer than this to a pixel's column or row go the slow way, which knows weights of 0.
+const NEAR: f32 = 1.0 / (1 << 20) as f32;
+/// Beyond this offsets are whole numbers.
+const WIDE: f32 = (1 << 24) as f32;
 
 #[inline(always)]
 fn runs<const T: usize, const N: usize>(
     grid: &Grid<'_>,
-    weights: impl Fn(f64) -> [f64; T],
+    weights: impl Fn(f32) -> [f32; T],
     first: DVec2,
     offsets: &[[f32; 2]],
     pixels: &mut [[f32; N]],
     slow: impl Fn(DVec2, &mut [f32]),
 ) {
     let (samples, _) = grid.samples.as_chunks::<N>();
-    let before = T / 2 - 1;
-    // From the first pixel's centre: there are `before` pixels to the left and `T / 2` to the right.
-    let least = before as f64;
-    let most_x = grid.width as f64 - (T / 2) as f64;
-    let most_y = grid.height as f64 - (T / 2) as f64;
-    let width = grid.width as f64;
-    let mut places = Places {
-        from: [0; RUN],
-        across: [0.0; RUN],
-        down: [0.0; RUN],
-        inside: [false; RUN],
-    };
+    let before = T as i32 / 2 - 1;
+    let (width, height) = (grid.width as i32, grid.height as i32);
+    // The first tap of a pixel that does not move, and the largest that a first tap may be.
+    let (left, top) = (
+        first.x.floor() as i32 - before,
+        first.y.floor() as i32 - before,
+    );
+    let (most_x, most_y) = (width - T as i32, height - T as i32);
+    // First tap or −1, and what is left across and down.
+    let (mut from, mut across, mut down) = ([0_i32; RUN], [0.0_f32; RUN], [0.0_f32; RUN]);
     let runs = pixels.chunks_mut(RUN).zip(offsets.chunks(RUN));
     for (number, (pixels, offsets)) in runs.enumerate() {
         let start = number * RUN;
-        for (i, offset) in offsets.iter().enumerate() {
-            let [u, v] = offset.map(f64::from);
-            let x = first.x + (start + i) as f64 + u - 0.5;
-            let y = first.y + v - 0.5;
-            let inside = (x >= least) & (x < most_x) & (y >= least) & (y < most_y);
-            let (x, y) = if inside { (x, y) } else { (least, least) };
-            let (column, row) = (x.floor(), y.floor());
-            places.across[i] = x - column;
-            places.down[i] = y - row;
-            // A whole number, and one that 32 bits hold: the quick way is for no larger rasters.
-            places.from[i] = ((row - least) * width + (column - least)) as u32;
-            places.inside[i] = inside;
+        let left = left + start as i32;
+        // A fixed number and no branches, so that the compiler takes many at a time.
+        let mut run = [[0.0_f32; 2]; RUN];
+        run[..offsets.len()].copy_from_slice(offsets);
+        for i in 0..RUN {
+            // Wide offsets become whole numbers, which go the slow way like all that are not between pixels.
+            let [u, v] = run[i].map(|offset| offset.clamp(-WIDE, WIDE));
+            let (whole_u, whole_v) = (u.floor(), v.floor());
+            let (s, t) = (u - whole_u, v - whole_v);
+            let between = |t: f32| (NEAR..=1.0 - NEAR).contains(&t);
+            let x = left + i as i32 + whole_u as i32;
+            let y = top + whole_v as i32;
+            let inside = (x >= 0) & (x <= most_x) & (y >= 0) & (y <= most_y);
+            let place = y.wrapping_mul(width).wrapping_add(x);
+            let usable = inside & between(s) & between(t);
+            from[i] = if usable { place } else { -1 };
+            (across[i], down[i]) = (s, t);
         }
-        for (i, (pixel, offset)) in pixels.iter_mut().zip(offsets).enumerate() {
-            if places.inside[i] {
-                let across = weights(places.across[i]).map(|w| w as f32);
-                let down = weights(places.down[i]).map(|w| w as f32);
-                let all = across.iter().chain(&down).all(|&w| w != 0.0);
-                if all
-                    && let Some(value) =
-                        block(samples, places.from[i] as usize, grid.width, &across, &down)
-                {
+        let places = from.iter().zip(&across).zip(&down);
+        let pixels = pixels.iter_mut().zip(offsets).zip(places).enumerate();
+        for (i, ((pixel, offset), ((&from, &across), &down))) in pixels {
+            if let Ok(from) = usize::try_from(from) {
+                let (across, down) = (weights(across), weights(down));
+                // The two weights of a line are not 0 between pixels.
+                let all = T == 2 || across.iter().chain(&down).all(|&w| w != 0.0);
+                if all && let Some(value) = block(samples, from, grid.width, &across, &down) {
                     *pixel = value;
                     continue;
                 }
             }
-            let [u, v] = offset.map(f64::from);
-            let column = (start + i) as f64;
-            slow(DVec2::new(first.x + column + u, first.y + v), pixel);
+            slow(at(first, start + i, offset), pixel);
         }
     }
 }
