@@ -14,6 +14,7 @@
 //! | `warps` | default | the warps: points, frames, vortex, lattices, taper, bend, twist, axial |
 //! | `io` | `io` | OBJ and CSV documents that keep every byte that does not change |
 //! | `recipe`, `catalog`, `registry` | `recipe` | TOML and JSON recipes, and what they can name |
+//! | `raster` | `raster` | images: rasters, colour, filters, maps, resampling, splatting |
 //! | `preview` | `preview` | pictures of models before and after |
 //!
 //! The feature `parallel` uses all cores, with the same results bit for bit; `full` is everything.
@@ -52,6 +53,8 @@ pub use anamorph_io as io;
 pub use anamorph_meshing as meshing;
 #[cfg(feature = "preview")]
 pub use anamorph_preview as preview;
+#[cfg(feature = "raster")]
+pub use anamorph_raster as raster;
 #[cfg(feature = "recipe")]
 pub use anamorph_recipe as recipe;
 #[cfg(feature = "transforms")]
@@ -69,3 +72,6 @@ struct Readme;
 #[cfg(all(doctest, feature = "recipe"))]
 #[doc = include_str!("../../../docs/adding-a-warp.md")]
 struct AddingAWarp;
+#[cfg(all(doctest, feature = "raster"))]
+#[doc = include_str!("../../../docs/images.md")]
+struct Images;
