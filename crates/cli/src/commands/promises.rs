@@ -84,7 +84,8 @@ pub(crate) fn promises<S: ModelSpace>(
 
 /// What a part has to say beside its promises.
 fn notes<S: ModelSpace>(part: &BuiltPart<S>) -> Vec<String> {
-    let mut notes = part.deformation.facts().notes;
+    let facts = part.deformation.facts();
+    let mut notes: Vec<String> = facts.notes.iter().map(|n| plain(n)).collect();
     if let Some((one, other, place)) = disagreement(&part.warp.conditions()) {
         notes.push(format!(
             "features {one} and {other} both begin at {} and go to different places: their average is taken there",
@@ -92,6 +93,18 @@ fn notes<S: ModelSpace>(part: &BuiltPart<S>) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// A note without the numbers by which our pages name corrections of the paper.
+fn plain(note: &str) -> String {
+    let mut text = note.to_owned();
+    while let Some(from) = text.find(" (errata ") {
+        let Some(length) = text[from..].find(')') else {
+            break;
+        };
+        text.replace_range(from..=from + length, "");
+    }
+    text
 }
 
 /// A place in a sentence.
