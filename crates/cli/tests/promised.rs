@@ -408,7 +408,7 @@ fn moments_of_a_recipe_are_checked() {
         ),
         (
             "set = \"warp.7.angle\"\nkeys = [[0, \"1deg\"]]",
-            &["warp.7"],
+            &["`warp` has one entry"],
         ),
         (
             "set = \"warp.0.angle\"\nkeys = [[0, \"1deg\"]]",

@@ -96,7 +96,8 @@ fn row<S: Space, W: Warp<S> + ?Sized>(warp: &W, site: &Site<S>) -> Vec<(u32, f64
     warp.influences(site, &mut influences);
     let mut row: Vec<(u32, f64)> = Vec::new();
     for_each_share(warp, site.point, &influences, |influence, _, share| {
-        let (feature, coefficient) = (influence.address.feature, share * influence.strength);
+        let feature = influence.address.feature;
+        let coefficient = share * influence.strength * warp.factor(influence.address);
         if coefficient != 0.0 {
             match row.iter_mut().find(|(known, _)| *known == feature) {
                 Some((_, sum)) => *sum += coefficient,
@@ -334,6 +335,9 @@ impl<S: Space, W: Warp<S>> Warp<S> for Fitted<W, S> {
     }
     fn scaled(&self, address: Address, strength: f64) -> Affine<S> {
         self.warp.scaled(address, strength)
+    }
+    fn factor(&self, address: Address) -> f64 {
+        self.warp.factor(address)
     }
     fn weight(&self, influence: &Influence, displacement: S) -> f64 {
         self.warp.weight(influence, displacement)

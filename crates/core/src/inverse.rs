@@ -25,7 +25,7 @@ const SHORTEST: f64 = 1e-4;
 const WAY: usize = 400;
 
 /// Places whose image is computed for one question, at most, and stage of a stack: a point that has no inverse is given up then.
-const TRIES: u32 = 2000;
+const TRIES: u32 = 60_000;
 
 /// A place whose image was asked for, and how well it was met.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -26,7 +26,7 @@ impl<W> Scheduled<W> {
         }
     }
 
-    fn factor(&self, feature: u32) -> f64 {
+    fn share(&self, feature: u32) -> f64 {
         let known = self.factors.get(feature as usize);
         known.copied().unwrap_or(self.others)
     }
@@ -62,8 +62,11 @@ impl<S: Space, W: Warp<S>> Warp<S> for Scheduled<W> {
         self.warp.influences(site, out);
     }
     fn scaled(&self, address: Address, strength: f64) -> Affine<S> {
-        let factor = self.factor(address.feature);
+        let factor = self.share(address.feature);
         self.warp.scaled(address, strength * factor)
+    }
+    fn factor(&self, address: Address) -> f64 {
+        self.warp.factor(address) * self.share(address.feature)
     }
     fn weight(&self, influence: &Influence, displacement: S) -> f64 {
         self.warp.weight(influence, displacement)
@@ -73,7 +76,7 @@ impl<S: Space, W: Warp<S>> Warp<S> for Scheduled<W> {
     }
     fn conditions(&self) -> Vec<Condition<S>> {
         // Whoever is on the way has not arrived.
-        let arrived = |c: &Condition<S>| self.factor(c.feature) == 1.0;
+        let arrived = |c: &Condition<S>| self.share(c.feature) == 1.0;
         self.warp.conditions().into_iter().filter(arrived).collect()
     }
 }

@@ -312,6 +312,10 @@ impl<S: Space> Warp<S> for Modulated<S> {
         self.warp
             .scaled(address, strength * constant.unwrap_or(1.0))
     }
+    fn factor(&self, address: Address) -> f64 {
+        let constant = self.strength.as_ref().and_then(Field::constant);
+        self.warp.factor(address) * constant.unwrap_or(1.0)
+    }
     fn weight(&self, influence: &Influence, displacement: S) -> f64 {
         self.warp.weight(influence, displacement)
     }

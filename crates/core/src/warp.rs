@@ -85,6 +85,13 @@ pub trait Warp<S: Space>: Deformation<S> {
     /// The transformation at an address multiplied by a strength, `s·T`.
     fn scaled(&self, address: Address, strength: f64) -> Affine<S>;
 
+    /// What [`Warp::scaled`] multiplies strengths at an address by, beside the influence's own: a constant strength, or how much of a
+    /// feature is in force.
+    fn factor(&self, address: Address) -> f64 {
+        let _ = address;
+        1.0
+    }
+
     /// The weight as finished by the displacement `(s·T)⟨p⟩ − p` (errata F9). By default the influence's own.
     fn weight(&self, influence: &Influence, displacement: S) -> f64 {
         let _ = displacement;
@@ -343,7 +350,7 @@ pub fn in_force<S: Space, W: Warp<S> + ?Sized>(warp: &W, site: &Site<S>) -> (f64
             .max(0.0);
     }
     for_each_share(warp, site.point, &influences, |influence, _, share| {
-        strength += share * influence.strength;
+        strength += share * influence.strength * warp.factor(influence.address);
     });
     if influences.log_scale != 0.0 {
         weight *= crate::math::exp(influences.log_scale);
@@ -370,6 +377,7 @@ macro_rules! forward_warp {
         impl<S: Space, W: Warp<S> + ?Sized> Warp<S> for $pointer {
             fn influences(&self, site: &Site<S>, out: &mut Influences) { (**self).influences(site, out) }
             fn scaled(&self, address: Address, strength: f64) -> Affine<S> { (**self).scaled(address, strength) }
+            fn factor(&self, address: Address) -> f64 { (**self).factor(address) }
             fn weight(&self, influence: &Influence, displacement: S) -> f64 { (**self).weight(influence, displacement) }
             fn average(&self) -> Average { (**self).average() }
             fn conditions(&self) -> Vec<Condition<S>> { (**self).conditions() }

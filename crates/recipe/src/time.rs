@@ -384,10 +384,13 @@ impl Recipe {
             return Ok(Value::Null);
         };
         if time <= first.0 {
-            return Ok(first.1.clone());
+            return Ok(keys
+                .get(1)
+                .map_or(first.1.clone(), |next| with_unit(first.1, next.1)));
         }
         if time >= last.0 {
-            return Ok(last.1.clone());
+            let before = keys.len().checked_sub(2).map(|i| keys[i].1);
+            return Ok(before.map_or(last.1.clone(), |before| with_unit(last.1, before)));
         }
         let after = keys.partition_point(|key| key.0 <= time);
         let ((from, a), (to, b)) = (keys[after - 1], keys[after]);
@@ -472,6 +475,26 @@ pub(crate) fn unit(text: &str) -> Option<(f64, &str)> {
     number.is_finite().then_some((number, text[end..].trim()))
 }
 
+/// A value, nothing (0) with the unit of the one beside it.
+fn with_unit(value: &Value, beside: &Value) -> Value {
+    match (value, beside) {
+        (Value::Number(x), Value::String(text)) if x.as_f64() == Some(0.0) => {
+            unit(text).map_or(value.clone(), |(_, of)| Value::from(format!("0{of}")))
+        }
+        (Value::Array(x), Value::Array(y)) => {
+            Value::Array(x.iter().zip(y).map(|(a, b)| with_unit(a, b)).collect())
+        }
+        (Value::Object(x), Value::Object(y)) => {
+            let each = x.iter().map(|(key, a)| {
+                let beside = y.get(key).unwrap_or(&Value::Null);
+                (key.clone(), with_unit(a, beside))
+            });
+            Value::Object(each.collect())
+        }
+        _ => value.clone(),
+    }
+}
+
 /// A unit of angles as a share of a turn.
 fn turn(unit: &str) -> Option<f64> {
     match unit {
@@ -524,7 +547,7 @@ fn between(a: &Value, b: &Value, share: f64) -> Result<Value, String> {
         },
         // Nothing is nothing in any unit.
         (Value::Number(x), Value::String(text)) | (Value::String(text), Value::Number(x))
-            if x.as_f64() == Some(0.0) && unit(text).is_some() =>
+            if x.as_f64() == Some(0.0) && unit(text).is_some_and(|(_, of)| !of.is_empty()) =>
         {
             let (size, of) = unit(text).unwrap_or_default();
             let (from, to) = if a.is_number() {
@@ -605,7 +628,7 @@ keys = [[0, [0, 0]], [1, [4, "2"]]]
             "{error}"
         );
         let wrong = [
-            ("\"50deg\"", "\"50rad\"", "different units"),
+            ("\"50deg\"", "\"50%\"", "different units"),
             ("[0.5, ", "[0.2, ", "not after the one before"),
             ("[1, \"30deg\"]", "[2, \"30deg\"]", "from 0 to 1"),
             (
@@ -633,7 +656,7 @@ keys = [[0, [0, 0]], [1, [4, "2"]]]
 
     #[test]
     fn schedules_say_how_much_is_in_force() {
-        let text = "version = 1\n[time]\nway = \"result\"\n[[warp]]\nkind = \"twist\"\n\
+        let text = "version = 1\n[time]\nway = \"transformations\"\n[[warp]]\nkind = \"twist\"\n\
             schedule = { start = 0.2, end = 0.6, features = [{ end = 0.4 }, { start = 0.5, ease = \"steps(1)\" }] }\n\
             [[warp]]\nkind = \"bend\"\n";
         let recipe = recipe(text);
@@ -644,7 +667,7 @@ keys = [[0, [0, 0]], [1, [4, "2"]]]
                 .unwrap()
         };
         let at = share(0.3, 0);
-        assert!(at.blend);
+        assert!(!at.blend);
         assert!((at.common - 0.25).abs() < 1e-12 && (at.features[0] - 0.5).abs() < 1e-12);
         assert_eq!(at.features[1], 0.0);
         assert_eq!(share(0.6, 0).features, [1.0, 1.0]);
@@ -652,7 +675,12 @@ keys = [[0, [0, 0]], [1, [4, "2"]]]
         assert_eq!(share(0.3, 1).common, 0.3);
         for (from, to, message) in [
             ("end = 0.6", "end = 0.1", "ends before it starts"),
-            ("\"result\"", "\"targets\"", "no way to vary"),
+            ("\"transformations\"", "\"targets\"", "no way to vary"),
+            (
+                "\"transformations\"",
+                "\"result\"",
+                "not feature by feature",
+            ),
             ("steps(1)", "wobble", "wobble"),
             ("features = [", "feature = [", "unknown key"),
         ] {
