@@ -293,3 +293,37 @@ fn a_mask_counts_against_interpolation() {
     assert_eq!(verdict.verdict, Verdict::Refuted);
     assert_eq!(verdict.witness.map(|w| w.value), Some(0.5));
 }
+
+/// The weight of a single feature cancels, and so did its kink in what was promised: beside an ambient weight, and among features of one
+/// map that come in at different times, it does not.
+#[test]
+fn weights_that_cancel_show_beside_an_ambient_weight() {
+    use anamorph_core::{Facts, Modulated, Scaling, Scheduled, glam::dvec2};
+    use anamorph_features::ElementPair;
+    use anamorph_warps::lines::{WeightConstants, elements::ElementWarp};
+
+    let warp = |a, b, count| {
+        let line = |i: usize| {
+            let y = 0.3 * i as f64;
+            let source = [dvec2(0.0, y), dvec2(1.0, y)];
+            let target = source.map(|p| p + dvec2(0.0, 0.2));
+            let pair = ElementPair::of_corners(&source, &target).unwrap();
+            (pair, WeightConstants { a, b, p: 0.0 })
+        };
+        let all: Vec<_> = (0..count).map(line).collect();
+        ElementWarp::<Plane>::construct(&all, Scaling::Displacement).unwrap()
+    };
+    for (a, b, expected) in [
+        (0.1, 2.0, Smoothness::C(0)),
+        (0.0, 0.5, Smoothness::C(0)),
+        (0.0, 2.0, Smoothness::C(1)),
+        (0.1, 0.0, Smoothness::Smooth),
+    ] {
+        let class = |facts: Facts<Plane>| facts.smoothness();
+        assert_eq!(class(warp(a, b, 1).facts()), Smoothness::Smooth);
+        let ambient = Modulated::new(Box::new(warp(a, b, 1))).with_ambient(0.1);
+        assert_eq!(class(ambient.facts()), expected, "{a}, {b}");
+        let scheduled = Scheduled::new(warp(a, b, 2), vec![1.0, 0.0], 1.0);
+        assert_eq!(class(scheduled.facts()), expected, "{a}, {b}");
+    }
+}
