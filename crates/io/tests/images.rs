@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use anamorph_io::images::{
-    ChannelKind, EncodeOptions, ImageError, ImageFile, ImageFormat, ImageLimits, SampleType,
+    Channel, ChannelKind, EncodeOptions, ImageError, ImageFile, ImageFormat, ImageLimits, SampleType,
 };
 use anamorph_raster::{Raster, Window};
 use exr::prelude::{
@@ -116,7 +116,7 @@ fn light_is_linear_and_premultiplied() {
     assert!((pixel[0] - 0.5029 * 0.2).abs() < 1e-3, "{pixel:?}");
     assert_eq!(pixel[1], 0.0);
     assert!((pixel[2] - 0.2).abs() < 1e-6 && (pixel[3] - 0.2).abs() < 1e-6);
-    let kinds: Vec<ChannelKind> = layer.channels().iter().map(|c| c.kind()).collect();
+    let kinds: Vec<ChannelKind> = layer.channels().iter().map(Channel::kind).collect();
     assert_eq!(kinds[3], ChannelKind::Alpha);
     assert_eq!(kinds[0], ChannelKind::Colour);
 }
