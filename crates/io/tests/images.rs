@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use anamorph_io::images::{
-    Channel, ChannelKind, EncodeOptions, ImageError, ImageFile, ImageFormat, ImageLimits, SampleType,
+    Channel, ChannelKind, EncodeOptions, ImageError, ImageFile, ImageFormat, ImageLimits,
+    SampleType,
 };
 use anamorph_raster::{Raster, Window};
 use exr::prelude::{

@@ -2,6 +2,7 @@
 
 use super::bind::bound_stack;
 use super::frames::{self, Frames, Pattern};
+use super::image;
 use super::jobs::{Job, is_folder, jobs};
 use super::morph;
 use super::promises::{fold, promises, to_json};
@@ -33,6 +34,15 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
         frames::check(options)?;
     }
     let jobs = jobs(options)?;
+    if frames.is_some() {
+        if let Some(job) = jobs.iter().find(|job| image::is_image(&job.model)) {
+            return Err(Failure::usage(format!(
+                "{}: --frames of an image is not built; warp it once for each value of the recipe, with --set",
+                job.model.display()
+            )));
+        }
+        image::refuse_options(options)?;
+    }
     if options.preview.is_some() {
         picture::check(&options.view, options.turntable.is_some())
             .map_err(|error| Failure::usage(format!("--size: {error}")))?;
@@ -218,7 +228,12 @@ fn warp_one(job: &Job, run: &Run<'_>) -> Result<(), Failure> {
     let read_options = ReadOptions::default()
         .allow_nonfinite(options.allow_nonfinite)
         .local(recipe.is_local());
-    let document = model::read(&job.model, &read_options, options.allow_outside)?;
+    let bytes = files::read(&job.model)?;
+    if image::concerns(&job.model, &bytes) {
+        return image::warp(job, run, &bytes);
+    }
+    image::refuse_options(options)?;
+    let document = model::document(bytes, &job.model, &read_options, options.allow_outside)?;
     let form = form(job, document.as_ref())?;
     match document.points() {
         Points::Plane(_) => warp_document::<Plane>(job, run, document.as_ref(), form),
