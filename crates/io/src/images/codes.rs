@@ -371,7 +371,7 @@ pub(super) fn encode(
     lost.add(
         layout.sample != sample && layout.sample != SampleType::Float32,
         format!(
-            "samples of {}, written with {}",
+            "samples of {} ({} are written)",
             sample.title(),
             layout.sample.title()
         ),
