@@ -154,7 +154,7 @@ pub(crate) struct ImageOptions {
     #[arg(long, value_name = "EDGE")]
     pub edge: Option<String>,
     /// How far the place that a pixel is read from may be off, in pixels; 0 evaluates the warp at every pixel. 0.05 if left out
-    #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
+    #[arg(long, value_name = "PIXELS", value_parser = parse_pixels, allow_hyphen_values = true)]
     pub max_error: Option<f64>,
     /// Look up where each pixel of the result comes from, or move the pixels of the image
     #[arg(long, value_name = "WAY")]

@@ -252,7 +252,7 @@ fn a_data_window_grows_and_the_display_window_stays() {
 fn folded_places_are_counted_and_spread_nothing() {
     let folder = Folder::new();
     // A point pulled far over its neighbours.
-    let fold = "version = 1\n[[warp]]\nkind = \"points\"\n[[warp.point]]\nat = [20, 32]\nto = [50, 32]\nradius = 14\n";
+    let fold = "version = 1\n[[warp]]\nkind = \"points\"\n[[warp.point]]\nfrom = [20, 32]\nto = [50, 32]\nradius = 14\n";
     folder
         .put("r.toml", fold)
         .put("in.exr", exr(&waves(64, 1), &["Y"]));
