@@ -19,7 +19,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Warp models by a recipe
-    Warp(WarpOptions),
+    Warp(Box<WarpOptions>),
     /// Evaluate the fields of a recipe on a model once and keep them
     Bind(BindOptions),
     /// Write the motion of a recipe as a table, an animation or a picture

@@ -17,7 +17,9 @@ use anamorph_core::{
     Bounds, Deformation, Domain, Facts, Inverse, Plane, Site, Stack, Unmapped, map_all_parallel,
 };
 use anamorph_io::Lost;
-use anamorph_io::images::{EncodeOptions, ImageFile, ImageFormat, ImageLayer, ImageLimits};
+use anamorph_io::images::{
+    Channel, EncodeOptions, ImageFile, ImageFormat, ImageLayer, ImageLimits,
+};
 use anamorph_raster::{
     Bound, Edge, Filter, Hierarchy, HierarchyReport, PixelMap, Raster, RasterError, SplatOptions,
     Window, hierarchical_map, resample, splat,
@@ -607,7 +609,7 @@ fn report(
         let window = layer
             .window()
             .map(|w| [w.x(), w.y(), w.width() as i64, w.height() as i64]);
-        let channels: Vec<&str> = layer.channels().iter().map(|c| c.name()).collect();
+        let channels: Vec<&str> = layer.channels().iter().map(Channel::name).collect();
         json!({ "name": layer.name(), "channels": channels, "data_window": window })
     });
     let mut value = json!({
