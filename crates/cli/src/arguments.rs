@@ -1,7 +1,7 @@
 //! What the command line understands.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Warps models by recipes, draws what it did, and reports what it promises.
 #[derive(Debug, Parser)]
@@ -54,8 +54,13 @@ pub(crate) struct WarpOptions {
     #[arg(required = true, value_name = "MODEL")]
     pub models: Vec<PathBuf>,
     /// The recipe, TOML or JSON; `-` is standard input
-    #[arg(short, long, value_name = "FILE")]
-    pub recipe: PathBuf,
+    #[arg(
+        short,
+        long,
+        value_name = "FILE",
+        required_unless_present = "from_stmap"
+    )]
+    pub recipe: Option<PathBuf>,
     /// Where the warped model goes: a file, or a folder (ending in `/`) for several models; `-` is standard output
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
@@ -165,6 +170,10 @@ pub(crate) struct ImageOptions {
     /// Write where each pixel comes from as an ST map: 32-bit OpenEXR, u and v from 0 to 1, v up
     #[arg(long, value_name = "FILE.exr")]
     pub stmap: Option<PathBuf>,
+    /// Warp by an ST map, as --stmap and compositors write it, instead of a recipe; the result has the map's pixels
+    #[arg(long, value_name = "FILE.exr",
+        conflicts_with_all = ["recipe", "set", "invert", "mapping", "grow", "max_error", "stmap", "motion_vectors", "frames"])]
+    pub from_stmap: Option<PathBuf>,
     /// Write how far each pixel of the image moves: 32-bit OpenEXR, forward.u and forward.v in pixels, v up
     #[arg(long, value_name = "FILE.exr")]
     pub motion_vectors: Option<PathBuf>,
@@ -174,6 +183,13 @@ pub(crate) struct ImageOptions {
     /// Read images that have far more pixels than the size of their file accounts for
     #[arg(long)]
     pub allow_large: bool,
+}
+
+impl WarpOptions {
+    /// The recipe's file; an empty path where there is none.
+    pub(crate) fn recipe_path(&self) -> &Path {
+        self.recipe.as_deref().unwrap_or(Path::new(""))
+    }
 }
 
 impl ImageOptions {
@@ -186,6 +202,7 @@ impl ImageOptions {
             (self.mapping.is_some(), "--mapping"),
             (self.grow, "--grow"),
             (self.stmap.is_some(), "--stmap"),
+            (self.from_stmap.is_some(), "--from-stmap"),
             (self.motion_vectors.is_some(), "--motion-vectors"),
             (self.quality.is_some(), "--quality"),
             (self.allow_large, "--allow-large"),

@@ -215,6 +215,17 @@ fn maps_for_compositors_say_where_pixels_come_from_and_go() {
             "{moved:?}"
         );
     }
+    // And the map warps as the recipe does.
+    let by_map = ["in.exr", "--from-stmap", "st.exr", "-o", "by-map.exr"];
+    warp(&folder, &by_map, &[]).done();
+    let (a, b) = (read(&folder, "out.exr"), read(&folder, "by-map.exr"));
+    let mut apart = pixels(&a).samples().iter().zip(pixels(&b).samples());
+    assert!(apart.all(|(a, b)| (a - b).abs() < 1e-4));
+    let wrong = ["in.exr", "--from-stmap", "mv.exr", "-o", "no.exr"];
+    warp(&folder, &wrong, &[]).failed(1, &["mv.exr", "no ST map", "R and G"]);
+    let nothing = ["in.exr", "-o", "no.exr"];
+    warp(&folder, &nothing, &[]).failed(2, &["--recipe"]);
+
     let report: serde_json::Value =
         serde_json::from_slice(&std::fs::read(folder.path().join("r.json")).unwrap()).unwrap();
     assert_eq!(report["pixels"], 1600);

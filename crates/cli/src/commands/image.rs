@@ -18,7 +18,7 @@ use anamorph_core::{
 };
 use anamorph_io::Lost;
 use anamorph_io::images::{
-    Channel, EncodeOptions, ImageFile, ImageFormat, ImageLayer, ImageLimits,
+    Channel, EncodeOptions, ImageFile, ImageFormat, ImageLayer, ImageLimits, SampleType,
 };
 use anamorph_raster::{
     Bound, Edge, Filter, Hierarchy, HierarchyReport, PixelMap, Raster, RasterError, SplatOptions,
@@ -98,7 +98,8 @@ fn check(job: &Job, options: &WarpOptions) -> Result<(), Failure> {
     }
     let known = |path: &PathBuf| (!files::is_stream(path)).then(|| files::identity(path));
     let mut taken: Vec<Option<PathBuf>> = job.results().map(|(path, _)| known(path)).collect();
-    taken.extend([known(&job.model), known(&options.recipe)]);
+    let inputs = std::iter::once(&job.model).chain(&options.recipe);
+    taken.extend(inputs.map(known));
     for path in maps.into_iter().flatten() {
         let own = known(path);
         if own.is_none() || taken.contains(&own) {
@@ -331,20 +332,27 @@ struct Drawn {
     edge: Edge,
 }
 
-fn draw(image: &mut ImageFile, ways: &Ways, drawing: &Drawing<'_>) -> Result<Drawn, Failure> {
+fn draw(
+    image: &mut ImageFile,
+    ways: &Ways,
+    drawing: &Drawing<'_>,
+    given: Option<PixelMap>,
+) -> Result<Drawn, Failure> {
+    let given_window = given.as_ref().map(PixelMap::window);
     let mut drawn = Drawn {
         counts: Counts::default(),
-        maps: Vec::new(),
+        maps: given.map(|map| (map, None)).into_iter().collect(),
         edge: Edge::Clamp,
     };
     let display = image.display();
     let mut targets = Vec::new();
     for layer in image.layers() {
         let source = layer.window().unwrap_or(display);
-        targets.push((
-            target(drawing, ways.forward.as_ref(), source, image)?,
-            drawing.edge(layer, display)?,
-        ));
+        let window = match given_window {
+            Some(window) => window,
+            None => target(drawing, ways.forward.as_ref(), source, image)?,
+        };
+        targets.push((window, drawing.edge(layer, display)?));
     }
     for (layer, (window, edge)) in image.layers_mut().iter_mut().zip(targets) {
         drawn.edge = edge;
@@ -431,6 +439,39 @@ fn stmap(map: &PixelMap, display: Window) -> Result<ImageFile, Failure> {
     }
     let raster = Raster::from_samples(window, 2, samples).map_err(Failure::new)?;
     ImageFile::data(&raster.with_display(display), &["R", "G"]).map_err(Failure::new)
+}
+
+/// The map that a file holds, for an image with that display window.
+fn read_stmap(path: &Path, display: Window) -> Result<PixelMap, Failure> {
+    let wrong =
+        |error: &dyn core::fmt::Display| Failure::new(format!("{}: {error}", files::shown(path)));
+    let bytes = files::read(path)?;
+    let limits = ImageLimits::of_file(bytes.len());
+    let image = ImageFile::read(&bytes, limits).map_err(|error| wrong(&error))?;
+    let found = image.layers().iter().find_map(|layer| {
+        let names = [["R", "G"], ["u", "v"], ["U", "V"]];
+        let is_mixed = |c: &&Channel| c.sample() != SampleType::Integer32;
+        let mixed = || layer.channels().iter().filter(is_mixed);
+        let place = |name: &str| mixed().position(|c| c.name() == name);
+        let pairs = names.iter().find_map(|[u, v]| place(u).zip(place(v)));
+        Some((layer.raster.as_ref()?, pairs?))
+    });
+    let Some((raster, (u, v))) = found.filter(|_| image.format() == ImageFormat::OpenExr) else {
+        return Err(wrong(
+            &"no ST map; it needs to be OpenEXR with the channels R and G, or u and v, as `warp --stmap` writes it",
+        ));
+    };
+    let (width, height) = (display.width() as f64, display.height() as f64);
+    PixelMap::from_positions(raster.window(), |column, row| {
+        let pixel = raster.pixel(column, row);
+        let at = |channel: usize| pixel.get(channel).map_or(f64::NAN, |&s| f64::from(s));
+        let (u, v) = (at(u), at(v));
+        if (u, v) == (-1.0, -1.0) {
+            return DVec2::NAN;
+        }
+        display.corner() + dvec2(u * width, (1.0 - v) * height)
+    })
+    .map_err(|error| wrong(&error))
 }
 
 /// How far each source pixel moves, in pixels, v going up. Pixels that go nowhere have 0.
@@ -521,7 +562,9 @@ pub(super) fn warp(job: &Job, run: &Run<'_>, bytes: &[u8]) -> Result<(), Failure
     let ways = Ways::new(&built, inverted, size);
     let sources: Vec<Option<Window>> = image.layers().iter().map(ImageLayer::window).collect();
     let source = sources.into_iter().flatten().next().unwrap_or(display);
-    let drawn = draw(&mut image, &ways, &drawing)?;
+    let given = options.image.from_stmap.as_deref();
+    let given = given.map(|path| read_stmap(path, display)).transpose()?;
+    let drawn = draw(&mut image, &ways, &drawing, given)?;
 
     let mut files = Vec::new();
     let mut begin = |path: &PathBuf| -> Result<usize, Failure> {
@@ -692,6 +735,7 @@ fn summary(
                 drawn.counts.pixels
             );
         }
+        None if drawing.options.from_stmap.is_some() => say!("  map read from a file"),
         None if !drawing.is_forward() => say!("  map evaluated at every pixel"),
         None => {}
     }

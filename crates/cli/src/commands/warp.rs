@@ -50,8 +50,11 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
             picture::Kind::of(path, options.turntable)?;
         }
     }
-    let recipe = model::read_recipe(&options.recipe, &options.set)?;
-    let beside = RecipeFiles::beside(&options.recipe, options.allow_outside);
+    let recipe = match &options.recipe {
+        Some(path) => model::read_recipe(path, &options.set)?,
+        None => Recipe::read(b"version = 1\n", "no recipe").map_err(Failure::new)?,
+    };
+    let beside = RecipeFiles::beside(options.recipe_path(), options.allow_outside);
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = options.threads {
         pool = pool.num_threads(threads);
@@ -61,7 +64,11 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
         .map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
     let known = |path: &PathBuf| (!files::is_immediate(path)).then(|| files::identity(path));
     let results = jobs.iter().flat_map(Job::results).map(|(path, _)| path);
-    let inputs = jobs.iter().map(|job| &job.model).chain([&options.recipe]);
+    let inputs = jobs
+        .iter()
+        .map(|job| &job.model)
+        .chain(&options.recipe)
+        .chain(&options.image.from_stmap);
     let run = Run {
         recipe,
         beside,
@@ -595,7 +602,7 @@ fn report_json<S: ModelSpace>(
     json!({
         "anamorph": env!("CARGO_PKG_VERSION"),
         "model": files::shown(&job.model),
-        "recipe": files::shown(&options.recipe),
+        "recipe": files::shown(options.recipe_path()),
         "set": options.set,
         "output": job.output.display().to_string(),
         "format": document.format(),
