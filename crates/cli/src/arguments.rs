@@ -1,7 +1,7 @@
 //! What the command line understands.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Warps models by recipes, draws what it did, and reports what it promises.
 #[derive(Debug, Parser)]
@@ -19,7 +19,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Warp models by a recipe
-    Warp(WarpOptions),
+    Warp(Box<WarpOptions>),
     /// Evaluate the fields of a recipe on a model once and keep them
     Bind(BindOptions),
     /// Write the motion of a recipe as a table, an animation or a picture
@@ -54,8 +54,13 @@ pub(crate) struct WarpOptions {
     #[arg(required = true, value_name = "MODEL")]
     pub models: Vec<PathBuf>,
     /// The recipe, TOML or JSON; `-` is standard input
-    #[arg(short, long, value_name = "FILE")]
-    pub recipe: PathBuf,
+    #[arg(
+        short,
+        long,
+        value_name = "FILE",
+        required_unless_present = "from_stmap"
+    )]
+    pub recipe: Option<PathBuf>,
     /// Where the warped model goes: a file, or a folder (ending in `/`) for several models; `-` is standard output
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
@@ -131,12 +136,96 @@ pub(crate) struct WarpOptions {
     /// Read files that lie outside of the folder of the file that names them
     #[arg(long)]
     pub allow_outside: bool,
+    #[command(flatten)]
+    pub image: ImageOptions,
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
     /// Replace files that exist
     #[arg(short, long)]
     pub force: bool,
+}
+
+/// How images are drawn.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Images")]
+pub(crate) struct ImageOptions {
+    /// How pixels are read between their centres: nearest, bilinear, catmull-rom, mitchell, lanczos or anisotropic, which is the
+    /// default and does not alias where the image shrinks
+    #[arg(long, value_name = "FILTER")]
+    pub filter: Option<String>,
+    /// What stands beyond the pixels: clamp, wrap, mirror or transparent. Transparent if left out and the image has alpha, a
+    /// data window of its own, or grows; else clamp
+    #[arg(long, value_name = "EDGE")]
+    pub edge: Option<String>,
+    /// How far the place that a pixel is read from may be off, in pixels; 0 evaluates the warp at every pixel. 0.05 if left out
+    #[arg(long, value_name = "PIXELS", value_parser = parse_pixels, allow_hyphen_values = true)]
+    pub max_error: Option<f64>,
+    /// Look up where each pixel of the result comes from, or move the pixels of the image
+    #[arg(long, value_name = "WAY")]
+    pub mapping: Option<MappingName>,
+    /// Let the picture grow to hold all of the result (in OpenEXR the data window, else the picture itself)
+    #[arg(long)]
+    pub grow: bool,
+    /// Write where each pixel comes from as an ST map: 32-bit OpenEXR, u and v from 0 to 1, v up
+    #[arg(long, value_name = "FILE.exr")]
+    pub stmap: Option<PathBuf>,
+    /// Warp by an ST map, as --stmap and compositors write it, instead of a recipe; the result has the map's pixels
+    #[arg(long, value_name = "FILE.exr",
+        conflicts_with_all = ["recipe", "set", "invert", "mapping", "grow", "max_error", "stmap", "motion_vectors", "frames"])]
+    pub from_stmap: Option<PathBuf>,
+    /// Write how far each pixel of the image moves: 32-bit OpenEXR, forward.u and forward.v in pixels, v up
+    #[arg(long, value_name = "FILE.exr")]
+    pub motion_vectors: Option<PathBuf>,
+    /// Quality of JPEG files, 1 to 100; 95 if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub quality: Option<u8>,
+    /// Read images that have far more pixels than the size of their file accounts for
+    #[arg(long)]
+    pub allow_large: bool,
+}
+
+impl WarpOptions {
+    /// The recipe's file; an empty path where there is none.
+    pub(crate) fn recipe_path(&self) -> &Path {
+        self.recipe.as_deref().unwrap_or(Path::new(""))
+    }
+}
+
+impl ImageOptions {
+    /// The first of them that is given.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        let all = [
+            (self.filter.is_some(), "--filter"),
+            (self.edge.is_some(), "--edge"),
+            (self.max_error.is_some(), "--max-error"),
+            (self.mapping.is_some(), "--mapping"),
+            (self.grow, "--grow"),
+            (self.stmap.is_some(), "--stmap"),
+            (self.from_stmap.is_some(), "--from-stmap"),
+            (self.motion_vectors.is_some(), "--motion-vectors"),
+            (self.quality.is_some(), "--quality"),
+            (self.allow_large, "--allow-large"),
+        ];
+        all.into_iter()
+            .find_map(|(given, name)| given.then_some(name))
+    }
+}
+
+/// Which pixels the work goes over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MappingName {
+    /// Those of the result: each is looked up in the image
+    Inverse,
+    /// Those of the image: each is moved, and what lies between is filled
+    Forward,
+}
+
+fn parse_pixels(text: &str) -> Result<f64, String> {
+    let number = text.trim().trim_end_matches("px").trim().parse().ok();
+    number
+        .filter(|n: &f64| (0.0..=1e3).contains(n))
+        .ok_or_else(|| "write a number of pixels from 0 to 1000, such as 0.05px".to_owned())
 }
 
 /// Evaluate the fields of a recipe on a model once and keep them.

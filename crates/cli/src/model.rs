@@ -56,7 +56,16 @@ pub(crate) fn read(
     options: &ReadOptions,
     allow_outside: bool,
 ) -> Result<Box<dyn Document>, Failure> {
-    let bytes = files::read(path)?;
+    document(files::read(path)?, path, options, allow_outside)
+}
+
+/// The same of bytes that have been read already.
+pub(crate) fn document(
+    bytes: Vec<u8>,
+    path: &Path,
+    options: &ReadOptions,
+    allow_outside: bool,
+) -> Result<Box<dyn Document>, Failure> {
     let name = path
         .file_name()
         .map(|name| name.to_string_lossy().into_owned());

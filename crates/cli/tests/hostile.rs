@@ -343,20 +343,22 @@ fn memory_is_bounded() {
 #[test]
 fn files_that_are_no_models_are_refused() {
     let png = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".as_slice();
-    let cases: [(&str, &[u8], &[&str]); 12] = [
+    let program = b"\x7fELF\x02\x01\x01\0\0\0\0".as_slice();
+    let cases: [(&str, &[u8], &[&str]); 13] = [
+        ("picture.png", png, &["the PNG file is damaged"]),
         ("empty.obj", b"", &["the file is empty; give an OBJ file"]),
         ("empty", b"", &["there is nothing in it"]),
         (
-            "picture.png",
-            png,
+            "program.bin",
+            program,
             &[
                 "neither the content nor the name",
                 "ply, off, stl, obj, csv",
             ],
         ),
         (
-            "picture.obj",
-            png,
+            "program.obj",
+            program,
             &["zero, so this is binary data and not OBJ text"],
         ),
         (

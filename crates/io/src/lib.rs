@@ -36,6 +36,8 @@ mod faces;
 mod format;
 mod formats;
 mod geometry;
+#[cfg(feature = "images")]
+pub mod images;
 mod inspect;
 mod normals;
 mod number;

@@ -27,7 +27,7 @@ pub(super) fn is_folder(path: &Path) -> bool {
 /// One job a model; refuses arguments that do not fit together before anything is read.
 pub(super) fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
     let several = options.models.len() > 1;
-    files::at_most_one_stream(options.models.iter().chain([&options.recipe]))?;
+    files::at_most_one_stream(options.models.iter().chain(&options.recipe))?;
     for (what, path) in [
         ("--output", Some(&options.output)),
         ("--preview", options.preview.as_ref()),
@@ -97,7 +97,8 @@ pub(super) fn jobs(options: &WarpOptions) -> Result<Vec<Job>, Failure> {
 /// Refuses two results in one place, and results in the place of an input; but a model may replace itself.
 fn refuse_collisions(jobs: &[Job], options: &WarpOptions) -> Result<(), Failure> {
     let known = |path: &Path| (!files::is_stream(path)).then(|| files::identity(path));
-    let recipe = known(&options.recipe);
+    let recipe = options.recipe.as_deref().and_then(known);
+    let map = options.image.from_stmap.as_deref().and_then(known);
     let binding = options.binding.as_deref().and_then(known);
     let models: HashSet<PathBuf> = jobs.iter().filter_map(|job| known(&job.model)).collect();
     let mut results = HashSet::new();
@@ -110,7 +111,7 @@ fn refuse_collisions(jobs: &[Job], options: &WarpOptions) -> Result<(), Failure>
                 continue;
             };
             let shown = path.display();
-            let asked = [("recipe", &recipe), ("binding", &binding)];
+            let asked = [("recipe", &recipe), ("binding", &binding), ("map", &map)];
             if let Some((what, _)) = asked.iter().find(|(_, f)| f.as_ref() == Some(&identity)) {
                 return Err(Failure::usage(format!(
                     "{shown}: a result would replace the {what}; choose another name"

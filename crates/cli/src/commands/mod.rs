@@ -5,6 +5,7 @@ pub(crate) mod cage;
 pub(crate) mod check;
 pub(crate) mod coarse;
 pub(crate) mod frames;
+mod image;
 pub(crate) mod inspect;
 mod jobs;
 pub(crate) mod list;

@@ -308,7 +308,7 @@ impl Film<'_> {
         let mut value = json!({
             "anamorph": env!("CARGO_PKG_VERSION"),
             "model": self.name,
-            "recipe": files::shown(&self.run.options.recipe),
+            "recipe": files::shown(self.run.options.recipe_path()),
             "set": self.run.options.set,
             "output": self.job.output.display().to_string(),
             "format": self.document.format(),

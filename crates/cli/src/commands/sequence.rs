@@ -32,7 +32,7 @@ fn refuse_inputs(
     let known = |path: &Path| (!files::is_stream(path)).then(|| files::identity(path));
     let inputs = [
         ("model", known(model)),
-        ("recipe", known(&run.options.recipe)),
+        ("recipe", known(run.options.recipe_path())),
     ];
     for frame in frames.all() {
         for path in patterns.iter().flatten().map(|p| p.path(frame.number)) {
@@ -190,7 +190,7 @@ pub(super) fn warp_frames(job: &Job, run: &Run<'_>, frames: &Frames) -> Result<(
         }
         let run = Run {
             recipe: recipe.at(frame.time).map_err(Failure::new)?,
-            beside: RecipeFiles::beside(&options.recipe, options.allow_outside),
+            beside: RecipeFiles::beside(options.recipe_path(), options.allow_outside),
             options,
             taken: Mutex::new(HashSet::new()),
             replace: true,

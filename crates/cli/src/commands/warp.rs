@@ -2,6 +2,7 @@
 
 use super::bind::bound_stack;
 use super::frames::{self, Frames, Pattern};
+use super::image;
 use super::jobs::{Job, is_folder, jobs};
 use super::morph;
 use super::promises::{fold, promises, to_json};
@@ -33,6 +34,15 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
         frames::check(options)?;
     }
     let jobs = jobs(options)?;
+    if frames.is_some() {
+        if let Some(job) = jobs.iter().find(|job| image::is_image(&job.model)) {
+            return Err(Failure::usage(format!(
+                "{}: --frames of an image is not built; warp it once for each value of the recipe, with --set",
+                job.model.display()
+            )));
+        }
+        image::refuse_options(options)?;
+    }
     if options.preview.is_some() {
         picture::check(&options.view, options.turntable.is_some())
             .map_err(|error| Failure::usage(format!("--size: {error}")))?;
@@ -40,8 +50,11 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
             picture::Kind::of(path, options.turntable)?;
         }
     }
-    let recipe = model::read_recipe(&options.recipe, &options.set)?;
-    let beside = RecipeFiles::beside(&options.recipe, options.allow_outside);
+    let recipe = match &options.recipe {
+        Some(path) => model::read_recipe(path, &options.set)?,
+        None => Recipe::read(b"version = 1\n", "no recipe").map_err(Failure::new)?,
+    };
+    let beside = RecipeFiles::beside(options.recipe_path(), options.allow_outside);
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = options.threads {
         pool = pool.num_threads(threads);
@@ -51,7 +64,11 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
         .map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
     let known = |path: &PathBuf| (!files::is_immediate(path)).then(|| files::identity(path));
     let results = jobs.iter().flat_map(Job::results).map(|(path, _)| path);
-    let inputs = jobs.iter().map(|job| &job.model).chain([&options.recipe]);
+    let inputs = jobs
+        .iter()
+        .map(|job| &job.model)
+        .chain(&options.recipe)
+        .chain(&options.image.from_stmap);
     let run = Run {
         recipe,
         beside,
@@ -218,7 +235,12 @@ fn warp_one(job: &Job, run: &Run<'_>) -> Result<(), Failure> {
     let read_options = ReadOptions::default()
         .allow_nonfinite(options.allow_nonfinite)
         .local(recipe.is_local());
-    let document = model::read(&job.model, &read_options, options.allow_outside)?;
+    let bytes = files::read(&job.model)?;
+    if image::concerns(&job.model, &bytes) {
+        return image::warp(job, run, &bytes);
+    }
+    image::refuse_options(options)?;
+    let document = model::document(bytes, &job.model, &read_options, options.allow_outside)?;
     let form = form(job, document.as_ref())?;
     match document.points() {
         Points::Plane(_) => warp_document::<Plane>(job, run, document.as_ref(), form),
@@ -580,7 +602,7 @@ fn report_json<S: ModelSpace>(
     json!({
         "anamorph": env!("CARGO_PKG_VERSION"),
         "model": files::shown(&job.model),
-        "recipe": files::shown(&options.recipe),
+        "recipe": files::shown(options.recipe_path()),
         "set": options.set,
         "output": job.output.display().to_string(),
         "format": document.format(),

@@ -1,0 +1,776 @@
+//! `anamorph warp` of images: every pixel of the result is looked up where the recipe takes it from, or every pixel of the
+//! source is moved.
+//!
+//! The coordinates of a recipe are pixels: x goes right and y goes down, as in the file, and a pixel's centre is half a
+//! pixel from its corner. Percentages refer to the display window.
+
+use super::jobs::Job;
+use super::promises::fold;
+use super::warp::Run;
+use crate::arguments::{ImageOptions, MappingName, WarpOptions};
+use crate::error::{Failure, say};
+use crate::files::{self, Pending};
+use crate::model::{self, ModelSpace};
+use anamorph_catalog::Context;
+use anamorph_core::glam::{DVec2, dvec2};
+use anamorph_core::{
+    Bounds, Deformation, Domain, Facts, Inverse, Plane, Site, Stack, Unmapped, map_all_parallel,
+};
+use anamorph_io::Lost;
+use anamorph_io::images::{
+    Channel, EncodeOptions, ImageFile, ImageFormat, ImageLayer, ImageLimits, SampleType,
+};
+use anamorph_raster::{
+    Bound, Edge, Filter, Hierarchy, HierarchyReport, PixelMap, Raster, RasterError, SplatOptions,
+    Window, hierarchical_map, resample, splat,
+};
+use anamorph_recipe::BuiltRecipe;
+use serde_json::{Value, json};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Points along each side of the display window by which bounds and folds are found.
+const LATTICE: usize = 65;
+
+/// The most pixels that `--grow` makes of one.
+const GROWTH: usize = 16;
+
+/// Whether a file is an image, by its first bytes; without reading a stream.
+pub(super) fn is_image(path: &Path) -> bool {
+    let mut head = Vec::new();
+    !files::is_immediate(path)
+        && std::fs::File::open(path)
+            .and_then(|file| file.take(16).read_to_end(&mut head))
+            .is_ok()
+        && ImageFormat::of_content(&head).is_some()
+}
+
+/// The format of images that a name asks for.
+fn named_format(path: &Path) -> Option<ImageFormat> {
+    let extension = path.extension().and_then(|e| e.to_str())?;
+    ImageFormat::of_extension(extension)
+}
+
+/// Whether bytes are to be read as an image: they are one, or the file's name says so.
+pub(super) fn concerns(path: &Path, bytes: &[u8]) -> bool {
+    ImageFormat::of_content(bytes).is_some() || named_format(path).is_some()
+}
+
+/// Refuses options that only images have.
+pub(super) fn refuse_options(options: &WarpOptions) -> Result<(), Failure> {
+    match options.image.given() {
+        Some(name) => Err(Failure::usage(format!(
+            "{name} is for images (PNG, JPEG, TIFF, WebP, OpenEXR); leave it out for models"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses what images do not have.
+fn check(job: &Job, options: &WarpOptions) -> Result<(), Failure> {
+    let image = files::shown(&job.model);
+    let refuse = |given: bool, what: &str, mend: &str| {
+        if given {
+            return Err(Failure::usage(format!(
+                "{image}: {what} of an image is not built; {mend}"
+            )));
+        }
+        Ok(())
+    };
+    refuse(
+        options.preview.is_some(),
+        "a preview",
+        "leave out --preview: the result is a picture",
+    )?;
+    refuse(
+        options.binding.is_some(),
+        "a binding",
+        "leave out --binding",
+    )?;
+    refuse(options.rest.is_some(), "a rest model", "leave out --rest")?;
+    let several = options.models.len() > 1;
+    let maps = [&options.image.stmap, &options.image.motion_vectors];
+    if several && maps.iter().any(|path| path.is_some()) {
+        return Err(Failure::usage(
+            "--stmap and --motion-vectors are of one image; warp the images one by one",
+        ));
+    }
+    let known = |path: &PathBuf| (!files::is_stream(path)).then(|| files::identity(path));
+    let mut taken: Vec<Option<PathBuf>> = job.results().map(|(path, _)| known(path)).collect();
+    let inputs = std::iter::once(&job.model).chain(&options.recipe);
+    taken.extend(inputs.map(known));
+    for path in maps.into_iter().flatten() {
+        let own = known(path);
+        if own.is_none() || taken.contains(&own) {
+            return Err(Failure::usage(format!(
+                "{}: a map needs a file of its own; choose another name",
+                path.display()
+            )));
+        }
+        if named_format(path) != Some(ImageFormat::OpenExr) {
+            return Err(Failure::usage(format!(
+                "{}: a map is written as OpenEXR; name it .exr",
+                path.display()
+            )));
+        }
+        files::refuse_existing(path, options.force)?;
+        taken.push(own);
+    }
+    Ok(())
+}
+
+/// Where target pixels come from; not a number where no place was found.
+struct Back<D>(Inverse<D>);
+
+impl<D: Deformation<Plane>> Deformation<Plane> for Back<D> {
+    fn map(&self, site: &Site<Plane>) -> Plane {
+        let mut point = [site.point];
+        let _ = self.map_points(site.index, &mut point);
+        point[0]
+    }
+    fn facts(&self) -> Facts<Plane> {
+        self.0.facts()
+    }
+    fn domain(&self) -> Domain {
+        Deformation::<Plane>::domain(&self.0)
+    }
+    fn map_points(&self, first: usize, points: &mut [Plane]) -> Unmapped {
+        let unmapped = self.0.map_points(first, points);
+        for index in unmapped.indices() {
+            if let Some(point) = index.checked_sub(first).and_then(|i| points.get_mut(i)) {
+                *point = DVec2::NAN;
+            }
+        }
+        unmapped
+    }
+}
+
+/// The recipe's deformation, both ways.
+struct Ways {
+    forward: Box<dyn Deformation<Plane>>,
+    back: Box<dyn Deformation<Plane>>,
+}
+
+impl Ways {
+    fn new(built: &BuiltRecipe<Plane>, inverted: bool, size: f64) -> Self {
+        if inverted {
+            Self {
+                forward: Box::new(Back(Inverse::new(built.stack(), size))),
+                back: Box::new(built.stack()),
+            }
+        } else {
+            Self {
+                forward: Box::new(built.stack()),
+                back: Box::new(Back(Inverse::new(built.stack(), size))),
+            }
+        }
+    }
+}
+
+/// Points of a window: its corners, borders and some between.
+fn lattice(window: Window) -> Vec<Plane> {
+    let size = dvec2(window.width() as f64, window.height() as f64);
+    let share = |i: usize| i as f64 / (LATTICE - 1) as f64;
+    let at = |i: usize| dvec2(share(i % LATTICE), share(i / LATTICE));
+    (0..LATTICE * LATTICE)
+        .map(|i| window.corner() + size * at(i))
+        .collect()
+}
+
+fn build(run: &Run<'_>, points: &[Plane]) -> Result<BuiltRecipe<Plane>, Failure> {
+    let context = Context {
+        bounds: Bounds::of(points),
+        scaling: None,
+        attributes: None,
+        meshes: Some(&run.beside),
+    };
+    let mut bounds_after = |parts: &[Arc<dyn Deformation<Plane>>]| {
+        let mut moved = points.to_vec();
+        let parts = parts.iter().map(|part| Box::new(Arc::clone(part)) as _);
+        let _ = map_all_parallel(&Stack::new(parts.collect()), &mut moved, &|_| {});
+        Bounds::of(&moved)
+    };
+    run.recipe
+        .build(&Plane::registry(), &context, &mut bounds_after)
+        .map_err(Failure::new)
+}
+
+/// What the options say about drawing.
+struct Drawing<'a> {
+    options: &'a ImageOptions,
+    filter: Filter,
+    max_error: f64,
+}
+
+impl<'a> Drawing<'a> {
+    fn of(options: &'a ImageOptions) -> Result<Self, Failure> {
+        let filter = options.filter.as_deref().map(Filter::by_name).transpose();
+        let filter = filter.map_err(|error| Failure::usage(format!("--filter: {error}")))?;
+        Ok(Self {
+            options,
+            filter: filter.unwrap_or(Filter::ANISOTROPIC),
+            max_error: options.max_error.unwrap_or(Hierarchy::default().max_error),
+        })
+    }
+
+    fn is_forward(&self) -> bool {
+        self.options.mapping == Some(MappingName::Forward)
+    }
+
+    /// What stands beyond a layer's pixels.
+    fn edge(&self, layer: &ImageLayer, display: Window) -> Result<Edge, Failure> {
+        if let Some(name) = &self.options.edge {
+            return Edge::by_name(name).map_err(|error| Failure::usage(format!("--edge: {error}")));
+        }
+        // A data window of its own says that nothing is beyond.
+        let open = layer.has_alpha() || self.options.grow || layer.window() != Some(display);
+        Ok(if open { Edge::Transparent } else { Edge::Clamp })
+    }
+
+    /// The map of a window, and how good it is.
+    fn map(
+        &self,
+        back: &dyn Deformation<Plane>,
+        window: Window,
+    ) -> Result<(PixelMap, Option<HierarchyReport>), RasterError> {
+        if self.max_error == 0.0 {
+            return Ok((PixelMap::from_deformation(back, window)?, None));
+        }
+        let (map, report) = hierarchical_map(back, window, &Hierarchy::within(self.max_error))?;
+        Ok((map, Some(report)))
+    }
+}
+
+/// Where a window's pixels go: the smallest window around them. Itself if nothing moves.
+fn result_window(
+    forward: &dyn Deformation<Plane>,
+    window: Window,
+) -> Result<Option<Window>, RasterError> {
+    // The border pixel by pixel, and some places between, for what folds over it.
+    let mut points = lattice(window);
+    let (width, height) = (window.width() as f64, window.height() as f64);
+    for x in 0..=window.width() {
+        points.extend([0.0, height].map(|y| window.corner() + dvec2(x as f64, y)));
+    }
+    for y in 0..=window.height() {
+        points.extend([0.0, width].map(|x| window.corner() + dvec2(x, y as f64)));
+    }
+    let still = points.clone();
+    let _ = map_all_parallel(forward, &mut points, &|_| {});
+    if points == still {
+        return Ok(Some(window));
+    }
+    points.retain(|point| point.is_finite());
+    let Some(bounds) = Bounds::of(&points) else {
+        return Ok(None);
+    };
+    // A pixel more on each side for what lies between the places looked at.
+    let (low, high) = (bounds.min.floor() - 1.0, bounds.max.ceil() + 1.0);
+    let size = high - low;
+    Window::new(low.x as i64, low.y as i64, size.x as usize, size.y as usize).map(Some)
+}
+
+/// What two windows share.
+fn shared(a: Window, b: Window) -> Option<Window> {
+    let end = |start: i64, size: usize| start.saturating_add_unsigned(size as u64);
+    let (x, y) = (a.x().max(b.x()), a.y().max(b.y()));
+    let right = end(a.x(), a.width()).min(end(b.x(), b.width()));
+    let bottom = end(a.y(), a.height()).min(end(b.y(), b.height()));
+    let size = |from: i64, to: i64| usize::try_from(to.checked_sub(from)?).ok();
+    Window::new(x, y, size(x, right)?, size(y, bottom)?).ok()
+}
+
+/// The pixels that a layer has in the result.
+fn target(
+    drawing: &Drawing<'_>,
+    forward: &dyn Deformation<Plane>,
+    source: Window,
+    image: &ImageFile,
+) -> Result<Window, Failure> {
+    let has_data_windows = image.format() == ImageFormat::OpenExr;
+    if !drawing.options.grow && !has_data_windows {
+        return Ok(source);
+    }
+    let around = result_window(forward, source).map_err(Failure::new)?;
+    let wanted = match around {
+        None => return Ok(source),
+        Some(around) if drawing.options.grow => Some(around),
+        Some(around) => shared(around, image.display()),
+    };
+    let grown = wanted
+        .map_or(Ok(source), |wanted| {
+            if has_data_windows {
+                source.union(&wanted)
+            } else {
+                Ok(wanted)
+            }
+        })
+        .map_err(Failure::new)?;
+    let most = source.pixels().and_then(|n| n.checked_mul(GROWTH));
+    let least = LATTICE * LATTICE;
+    match (grown.pixels(), most) {
+        (Some(pixels), Some(most)) if pixels <= most.max(least) => Ok(grown),
+        _ => Err(Failure::new(format!(
+            "the result would cover {grown}, over {GROWTH} times as many pixels as the image; leave out --grow, or mask the warp"
+        ))),
+    }
+}
+
+/// How many pixels of the result have no place, or several.
+#[derive(Default)]
+struct Counts {
+    pixels: usize,
+    lost: usize,
+    folded: usize,
+}
+
+/// All layers drawn, and the maps that they were drawn through.
+struct Drawn {
+    counts: Counts,
+    maps: Vec<(PixelMap, Option<HierarchyReport>)>,
+    edge: Edge,
+}
+
+fn draw(
+    image: &mut ImageFile,
+    ways: &Ways,
+    drawing: &Drawing<'_>,
+    given: Option<PixelMap>,
+) -> Result<Drawn, Failure> {
+    let given_window = given.as_ref().map(PixelMap::window);
+    let mut drawn = Drawn {
+        counts: Counts::default(),
+        maps: given.map(|map| (map, None)).into_iter().collect(),
+        edge: Edge::Clamp,
+    };
+    let display = image.display();
+    let mut targets = Vec::new();
+    for layer in image.layers() {
+        let source = layer.window().unwrap_or(display);
+        let window = match given_window {
+            Some(window) => window,
+            None => target(drawing, ways.forward.as_ref(), source, image)?,
+        };
+        targets.push((window, drawing.edge(layer, display)?));
+    }
+    for (layer, (window, edge)) in image.layers_mut().iter_mut().zip(targets) {
+        drawn.edge = edge;
+        if drawing.is_forward() {
+            draw_forward(layer, ways, window, &mut drawn.counts)?;
+            continue;
+        }
+        let known = drawn
+            .maps
+            .iter()
+            .position(|(map, _)| map.window() == window);
+        let at = match known {
+            Some(at) => at,
+            None => {
+                let new = drawing
+                    .map(ways.back.as_ref(), window)
+                    .map_err(Failure::new)?;
+                drawn.maps.push(new);
+                drawn.maps.len() - 1
+            }
+        };
+        let map = &drawn.maps[at].0;
+        let placeless = map.offsets().iter();
+        let placeless = placeless.filter(|[x, y]| !(x.is_finite() && y.is_finite()));
+        drawn.counts.lost += placeless.count();
+        drawn.counts.pixels += map.offsets().len();
+        for (raster, filter) in [
+            (&mut layer.raster, drawing.filter),
+            (&mut layer.identifiers, Filter::NEAREST),
+        ] {
+            if let Some(source) = raster {
+                *source = resample(source, map, filter, edge).map_err(Failure::new)?;
+            }
+        }
+    }
+    Ok(drawn)
+}
+
+/// Moves a layer's pixels.
+fn draw_forward(
+    layer: &mut ImageLayer,
+    ways: &Ways,
+    window: Window,
+    counts: &mut Counts,
+) -> Result<(), Failure> {
+    if layer.identifiers.is_some() {
+        return Err(Failure::new(
+            "forward mapping mixes pixels, and a layer has channels of whole numbers that must not be mixed; leave out \
+             --mapping forward",
+        ));
+    }
+    let Some(source) = &layer.raster else {
+        return Ok(());
+    };
+    let done = splat(
+        source,
+        ways.forward.as_ref(),
+        window,
+        SplatOptions::default(),
+    );
+    let done = done.map_err(Failure::new)?;
+    counts.pixels += done.layers.len();
+    counts.lost += done.layers.iter().filter(|&&layers| layers == 0).count();
+    counts.folded += done.layers.iter().filter(|&&layers| layers > 1).count();
+    layer.raster = Some(done.raster);
+    Ok(())
+}
+
+/// The place of each target pixel in the source, as compositors keep it: shares of the display window's sides, v going up.
+/// Pixels without a place have −1 in both.
+fn stmap(map: &PixelMap, display: Window) -> Result<ImageFile, Failure> {
+    let window = map.window();
+    let (width, height) = (display.width() as f64, display.height() as f64);
+    let mut samples = Vec::with_capacity(2 * map.offsets().len());
+    for row in 0..window.height() {
+        for column in 0..window.width() {
+            let place = map.position(column, row).filter(|p| p.is_finite());
+            let (u, v) = place.map_or((-1.0, -1.0), |place| {
+                let from = place - display.corner();
+                (from.x / width, 1.0 - from.y / height)
+            });
+            samples.extend([u as f32, v as f32]);
+        }
+    }
+    let raster = Raster::from_samples(window, 2, samples).map_err(Failure::new)?;
+    ImageFile::data(&raster.with_display(display), &["R", "G"]).map_err(Failure::new)
+}
+
+/// The map that a file holds, for an image with that display window.
+fn read_stmap(path: &Path, display: Window) -> Result<PixelMap, Failure> {
+    let wrong =
+        |error: &dyn core::fmt::Display| Failure::new(format!("{}: {error}", files::shown(path)));
+    let bytes = files::read(path)?;
+    let limits = ImageLimits::of_file(bytes.len());
+    let image = ImageFile::read(&bytes, limits).map_err(|error| wrong(&error))?;
+    let found = image.layers().iter().find_map(|layer| {
+        let names = [["R", "G"], ["u", "v"], ["U", "V"]];
+        let is_mixed = |c: &&Channel| c.sample() != SampleType::Integer32;
+        let mixed = || layer.channels().iter().filter(is_mixed);
+        let place = |name: &str| mixed().position(|c| c.name() == name);
+        let pairs = names.iter().find_map(|[u, v]| place(u).zip(place(v)));
+        Some((layer.raster.as_ref()?, pairs?))
+    });
+    let Some((raster, (u, v))) = found.filter(|_| image.format() == ImageFormat::OpenExr) else {
+        return Err(wrong(
+            &"no ST map; it needs to be OpenEXR with the channels R and G, or u and v, as `warp --stmap` writes it",
+        ));
+    };
+    let (width, height) = (display.width() as f64, display.height() as f64);
+    PixelMap::from_positions(raster.window(), |column, row| {
+        let pixel = raster.pixel(column, row);
+        let at = |channel: usize| pixel.get(channel).map_or(f64::NAN, |&s| f64::from(s));
+        let (u, v) = (at(u), at(v));
+        if (u, v) == (-1.0, -1.0) {
+            return DVec2::NAN;
+        }
+        display.corner() + dvec2(u * width, (1.0 - v) * height)
+    })
+    .map_err(|error| wrong(&error))
+}
+
+/// How far each source pixel moves, in pixels, v going up. Pixels that go nowhere have 0.
+fn motion(
+    forward: &dyn Deformation<Plane>,
+    window: Window,
+    display: Window,
+) -> Result<ImageFile, Failure> {
+    let map = PixelMap::from_deformation(forward, window).map_err(Failure::new)?;
+    let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
+    let offsets = map.offsets().iter();
+    let samples = offsets
+        .flat_map(|&[x, y]| [finite(x), finite(-y)])
+        .collect();
+    let raster = Raster::from_samples(window, 2, samples).map_err(Failure::new)?;
+    let raster = raster.with_display(display);
+    ImageFile::data(&raster, &["forward.u", "forward.v"]).map_err(Failure::new)
+}
+
+/// The format to be written.
+fn output_format(job: &Job, image: &ImageFile) -> Result<ImageFormat, Failure> {
+    if let Some(format) = named_format(&job.output) {
+        return Ok(format);
+    }
+    let extension = job.output.extension().and_then(|e| e.to_str());
+    let extension = extension.map(str::to_ascii_lowercase).unwrap_or_default();
+    let known = anamorph_io::formats().iter();
+    if let Some(other) = known
+        .clone()
+        .find(|f| f.extensions().contains(&extension.as_str()))
+    {
+        let names: Vec<&str> = ImageFormat::ALL
+            .into_iter()
+            .map(ImageFormat::name)
+            .collect();
+        return Err(Failure::new(format!(
+            "{}: an image cannot become {}; name the output one of these: .{}",
+            job.output.display(),
+            other.name().to_uppercase(),
+            names.join(", .")
+        )));
+    }
+    if !extension.is_empty() && !files::is_stream(&job.output) {
+        say!(
+            "{}: .{extension} is the name of no format that is written; the file is {}",
+            job.output.display(),
+            image.format().title()
+        );
+    }
+    Ok(image.format())
+}
+
+/// Warps one image.
+pub(super) fn warp(job: &Job, run: &Run<'_>, bytes: &[u8]) -> Result<(), Failure> {
+    let options = run.options;
+    let name = files::shown(&job.model);
+    let drawing = Drawing::of(&options.image)?;
+    check(job, options)?;
+    let wrong = |error: &dyn core::fmt::Display| Failure::new(format!("{name}: {error}"));
+    let limits = if options.image.allow_large {
+        ImageLimits::NONE
+    } else {
+        ImageLimits::of_file(bytes.len())
+    };
+    let mut image = ImageFile::read(bytes, limits).map_err(|error| {
+        let mut message = error.to_string();
+        if matches!(error, anamorph_io::images::ImageError::TooLarge { .. }) {
+            message.push_str(" with --allow-large");
+        }
+        wrong(&message)
+    })?;
+    let format = output_format(job, &image)?;
+    run.beside
+        .refuse_replacing(job.results().map(|(path, _)| path))?;
+    let maps = [&options.image.stmap, &options.image.motion_vectors];
+    run.beside.refuse_replacing(maps.into_iter().flatten())?;
+
+    let display = image.display();
+    let points = lattice(display);
+    let size = model::size(&points);
+    let built = build(run, &points)?;
+    if built.stack().domain() == Domain::Model {
+        return Err(wrong(
+            &"the recipe reads attributes of a model's points, which pixels do not have; leave them out",
+        ));
+    }
+    let inverted = run.recipe.is_inverse() != options.invert;
+    let ways = Ways::new(&built, inverted, size);
+    let sources: Vec<Option<Window>> = image.layers().iter().map(ImageLayer::window).collect();
+    let source = sources.into_iter().flatten().next().unwrap_or(display);
+    let given = options.image.from_stmap.as_deref();
+    let given = given.map(|path| read_stmap(path, display)).transpose()?;
+    let drawn = draw(&mut image, &ways, &drawing, given)?;
+
+    let mut files = Vec::new();
+    let mut begin = |path: &PathBuf| -> Result<usize, Failure> {
+        files.push(Pending::create(path, run.replace)?);
+        Ok(files.len() - 1)
+    };
+    let encoding = EncodeOptions {
+        quality: options.image.quality.unwrap_or(95),
+        whole: options.image.grow,
+    };
+    let (content, lost) = image
+        .encode(format, &encoding)
+        .map_err(|error| wrong(&error))?;
+    let mut contents = Vec::new();
+    if let Some(path) = &options.image.stmap {
+        let own;
+        let map = match drawn.maps.first() {
+            Some((map, _)) => map,
+            None => {
+                own = drawing
+                    .map(ways.back.as_ref(), display)
+                    .map_err(Failure::new)?;
+                &own.0
+            }
+        };
+        contents.push((begin(path)?, exr(&stmap(map, display)?)?));
+    }
+    if let Some(path) = &options.image.motion_vectors {
+        let vectors = motion(ways.forward.as_ref(), source, display)?;
+        contents.push((begin(path)?, exr(&vectors)?));
+    }
+    if let Some(path) = &job.report {
+        let value = report(job, &built, &image, format, &drawing, &drawn, &lost);
+        let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
+        contents.push((begin(path)?, format!("{text}\n").into_bytes()));
+    }
+    contents.push((begin(&job.output)?, content));
+    for (at, content) in contents {
+        files[at].fill(|out| out.write_all(&content))?;
+    }
+    files::keep_all(files)?;
+    if !options.quiet {
+        summary(job, run, &built, &image, format, &drawing, &drawn, &lost);
+        if let Some(fold) = fold(&built, &points, size) {
+            say!("  warning: {fold}; `anamorph check` says more");
+        }
+    }
+    Ok(())
+}
+
+fn exr(image: &ImageFile) -> Result<Vec<u8>, Failure> {
+    let encoded = image.encode(ImageFormat::OpenExr, &EncodeOptions::default());
+    encoded.map(|(bytes, _)| bytes).map_err(Failure::new)
+}
+
+/// How good a map is, over all layers.
+fn quality(drawn: &Drawn) -> Option<(f64, f64, Bound, usize)> {
+    let reports = drawn.maps.iter().filter_map(|(_, report)| report.as_ref());
+    reports.fold(None, |all, report| {
+        let (most, measured, bound, evaluations) = all.unwrap_or((0.0, 0.0, Bound::Derived, 0));
+        let estimated = bound == Bound::Estimated || report.bound == Bound::Estimated;
+        Some((
+            report.max_error.max(most),
+            report.measured.max(measured),
+            if estimated {
+                Bound::Estimated
+            } else {
+                Bound::Derived
+            },
+            evaluations + report.evaluations,
+        ))
+    })
+}
+
+fn report(
+    job: &Job,
+    built: &BuiltRecipe<Plane>,
+    image: &ImageFile,
+    format: ImageFormat,
+    drawing: &Drawing<'_>,
+    drawn: &Drawn,
+    lost: &Lost,
+) -> Value {
+    let layers = image.layers().iter().map(|layer| {
+        let window = layer
+            .window()
+            .map(|w| [w.x(), w.y(), w.width() as i64, w.height() as i64]);
+        let channels: Vec<&str> = layer.channels().iter().map(Channel::name).collect();
+        json!({ "name": layer.name(), "channels": channels, "data_window": window })
+    });
+    let mut value = json!({
+        "image": files::shown(&job.model),
+        "output": files::shown_output(&job.output),
+        "format": format.name(),
+        "warps": built.parts.iter().map(anamorph_recipe::BuiltPart::title).collect::<Vec<_>>(),
+        "layers": layers.collect::<Vec<_>>(),
+        "mapping": if drawing.is_forward() { "forward" } else { "inverse" },
+        "pixels": drawn.counts.pixels,
+        "pixels_without_place": drawn.counts.lost,
+        "lost": lost.0,
+    });
+    if drawing.is_forward() {
+        value["pixels_covered_more_than_once"] = json!(drawn.counts.folded);
+    } else {
+        value["filter"] = json!(drawing.filter.name());
+        value["edge"] = json!(drawn.edge.name());
+    }
+    if let Some((most, measured, bound, evaluations)) = quality(drawn) {
+        let kind = match bound {
+            Bound::Derived => "bound",
+            Bound::Estimated => "estimate",
+        };
+        value["map"] = json!({
+            "max_error": most, "kind": kind, "measured": measured, "evaluations": evaluations,
+        });
+    }
+    value
+}
+
+#[allow(clippy::too_many_arguments)]
+fn summary(
+    job: &Job,
+    run: &Run<'_>,
+    built: &BuiltRecipe<Plane>,
+    image: &ImageFile,
+    format: ImageFormat,
+    drawing: &Drawing<'_>,
+    drawn: &Drawn,
+    lost: &Lost,
+) {
+    let short = files::short;
+    let titles: Vec<&str> = built
+        .parts
+        .iter()
+        .map(anamorph_recipe::BuiltPart::title)
+        .collect();
+    let by = if titles.is_empty() {
+        "no warp".to_owned()
+    } else {
+        titles.join(", ")
+    };
+    let window = image.layers().iter().find_map(ImageLayer::window);
+    let (width, height) = window.map_or((0, 0), |w| (w.width(), w.height()));
+    say!(
+        "{} -> {}: {by}; {width} × {height} pixels",
+        files::shown(&job.model),
+        files::shown_output(&job.output)
+    );
+    if drawing.is_forward() {
+        say!("  forward mapping");
+    } else {
+        say!(
+            "  filter {}, edge {}",
+            drawing.filter.name(),
+            drawn.edge.name()
+        );
+    }
+    match quality(drawn) {
+        Some((most, measured, bound, evaluations)) => {
+            let promise = match bound {
+                Bound::Derived => "a bound",
+                Bound::Estimated => "an estimate",
+            };
+            say!(
+                "  map within {} px ({promise}; largest error measured {} px), {evaluations} evaluations for {} pixels",
+                short(most),
+                short(measured),
+                drawn.counts.pixels
+            );
+        }
+        None if drawing.options.from_stmap.is_some() => say!("  map read from a file"),
+        None if !drawing.is_forward() => say!("  map evaluated at every pixel"),
+        None => {}
+    }
+    if drawn.counts.lost > 0 {
+        say!(
+            "  note: {} of {} pixels of the result are empty: nothing is moved there, or its place was not found",
+            drawn.counts.lost,
+            drawn.counts.pixels
+        );
+    }
+    if drawn.counts.folded > 0 {
+        say!(
+            "  note: {} pixels are covered more than once; the last in the image's order is seen",
+            drawn.counts.folded
+        );
+    }
+    for note in image.notes() {
+        say!("  note: {note}");
+    }
+    if run.options.frames.is_none() && run.recipe.track_count() > 0 {
+        say!("  note: the recipe's tracks do nothing; its warps are in full force");
+    }
+    if format != image.format() {
+        say!("  converted to {}", format.title());
+    }
+    if !lost.is_empty() {
+        say!("  warning: {} does not hold: {lost}", format.title());
+    }
+    for path in [&run.options.image.stmap, &run.options.image.motion_vectors]
+        .into_iter()
+        .flatten()
+    {
+        say!("  map {}", path.display());
+    }
+    if let Some(path) = &job.report {
+        say!("  report {}", path.display());
+    }
+}
