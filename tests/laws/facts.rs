@@ -61,7 +61,7 @@ fn field<S: Registered>(number: usize, subject: &Subject<S>) -> Box<dyn Field<S>
     let inner = anamorph_core::Bounds::new(b.at(S::splat(0.3)), b.at(S::splat(0.6)));
     match number {
         0 => Box::new(Radial::new(centre, 0.43 * size, Wires).unwrap()),
-        1 => Box::new(Radial::new(off, 0.25 * size, LinearFalloff).unwrap()),
+        1 => Box::new(Radial::new(off, 0.26 * size, LinearFalloff).unwrap()),
         2 => Box::new(BoxField::new(inner, 0.1 * size, Smootherstep).unwrap()),
         3 => Box::new(HalfSpace::new(off, S::unit(1), 0.2 * size, Smoothstep).unwrap()),
         4 => Box::new(Complement::new(
@@ -203,7 +203,7 @@ fn strengths_multiply<S: Registered>() {
         fast.map_points(0, &mut moved);
         for (&p, &q) in points.iter().zip(&moved) {
             let expected = literal.map(&Site::anywhere(p));
-            let scale = subject.scale().max(p.largest()).max(expected.largest());
+            let scale = subject.in_play(&literal, p, expected);
             let error = (q - expected).largest();
             assert!(
                 error <= 1e-12 * scale,

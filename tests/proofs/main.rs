@@ -8,4 +8,5 @@ mod features;
 mod framework;
 mod lattices;
 mod lines;
+mod radial;
 mod wires;

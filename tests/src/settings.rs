@@ -91,7 +91,47 @@ pub fn settings<S: Registered>() -> Vec<Setting> {
     lines(&mut list);
     meshes(&mut list);
     curves(&mut list);
+    radial(&mut list);
     list.all
+}
+
+fn radial<S: Registered>(list: &mut List<S>) {
+    let points = r#"point = [{ from = «"20%";"30%";"10%"», by = «"8%";"-5%";"6%"» }, { from = «"70%";"20%";"40%"» },
+        { from = «"40%";"80%";"60%"», by = «"-10%";"4%";"3%"» }, { from = «"85%";"75%";"15%"», to = «"80%";"80%";"20%"» },
+        { from = «"50%";"50%";"90%"», by = «0;"7%";"-9%"» }]"#;
+    // One of them twice, and so near to another that it matters.
+    let close = r#"point = [{ from = «"20%";"30%";"10%"», by = «"8%";"-5%";"6%"» }, { from = «"70%";"20%";"40%"» },
+        { from = «"70%";"20%";"40%"» }, { from = «"70.01%";"20%";"40%"», by = «"0.003%";0;"0.002%"» },
+        { from = «"40%";"80%";"60%"», by = «"-10%";"4%";"3%"» }, { from = «"85%";"75%";"15%"» }]"#;
+    for points in [points, close] {
+        list.add("thin-plate", &[None], points);
+        list.add(
+            "thin-plate",
+            &[None],
+            &format!("smoothing = 0.01\n{points}"),
+        );
+        for kernel in [
+            "kernel = \"linear\"",
+            "kernel = \"linear\"\naffine = false",
+            "kernel = \"cubic\"",
+            "kernel = \"thin-plate\"",
+            "kernel = \"gaussian\"\nwidth = \"25%\"",
+            "kernel = \"gaussian\"\nwidth = \"40%\"\naffine = false\nsmoothing = 0.1",
+            "kernel = \"multiquadric\"\nwidth = \"10%\"",
+            "kernel = \"multiquadric\"\nwidth = \"20%\"\naffine = false",
+            "kernel = \"inverse-multiquadric\"\nwidth = \"20%\"",
+            "kernel = \"inverse-multiquadric\"\nwidth = \"30%\"\naffine = false",
+            "kernel = \"wendland\"\nradius = \"35%\"",
+            "kernel = \"wendland\"\nradius = \"120%\"\naffine = true",
+        ] {
+            list.add("radial", &[None], &format!("{kernel}\n{points}"));
+        }
+    }
+    list.add(
+        "radial",
+        &[None],
+        "kernel = \"wendland\"\nradius = \"30%\"\npoint = [{ from = \"60%\", by = «\"9%\";0;\"3%\"» }]",
+    );
 }
 
 fn meshes<S: Registered>(list: &mut List<S>) {
@@ -574,6 +614,20 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
             "axis = «1;2;2»\nreach = [\"10%\", \"50%\"]\n",
             "target = { points = [«\"20%\";\"30%\";\"50%\"», «\"80%\";\"60%\";\"40%\"»] }",
             "target = { points = [«\"20%\";\"90%\";\"50%\"», «\"80%\";\"60%\";\"40%\"», \"10%\"] }\nscale = 0.5",
+        ),
+        (
+            "radial",
+            "kernel = \"multiquadric\"\nwidth = \"20%\"\naffine = false\n",
+            "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }]",
+            "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"», by = \"9%\" }]",
+        ),
+        (
+            "thin-plate",
+            "",
+            "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"» }, { from = «\"20%\";\"80%\";\"40%\"», by = \"9%\" }, \
+             { from = «\"90%\";\"70%\";\"10%\"» }]",
+            "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }, { from = «\"20%\";\"80%\";\"40%\"» }, \
+             { from = «\"90%\";\"70%\";\"10%\"», to = \"80%\" }]",
         ),
         (
             "axial",

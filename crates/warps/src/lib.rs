@@ -5,6 +5,7 @@
 //! - [`lattices`]: free-form deformation with Bernstein polynomials, B-splines, and lattices of frames.
 //! - [`cages`]: control points and frames as wires that a modeller edits.
 //! - [`barr`]: taper, twist, bend and the generalized deformation along an axis.
+//! - [`radial`]: radial basis functions and thin plates through points.
 //! - [`wires`]: curves that are bent, and the model near them follows; axes that bend.
 //!
 //! Each warp is built by a `construct` function that checks its parameters and returns a typed error, and is a
@@ -31,6 +32,7 @@ pub mod features;
 pub mod lattices;
 pub mod lines;
 pub mod meshes;
+pub mod radial;
 #[cfg(feature = "recipe")]
 pub mod registry;
 pub mod wires;

@@ -4,7 +4,7 @@
 //!
 //! *Source*: Milliron et al. 2002, §3–§6 for the order.
 
-use crate::{barr, features, lattices, lines, meshes, wires};
+use crate::{barr, features, lattices, lines, meshes, radial, wires};
 use anamorph_catalog::WarpEntry;
 use anamorph_core::{Plane, Solid};
 use anamorph_transforms::Rotational;
@@ -24,6 +24,8 @@ fn both<S: Rotational>() -> Vec<WarpEntry<S>> {
         barr::parameters::bend(),
         barr::parameters::axial(),
         meshes::parameters::mesh(),
+        radial::parameters::radial(),
+        radial::parameters::thin_plate(),
     ]
 }
 

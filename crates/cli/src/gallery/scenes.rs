@@ -93,6 +93,8 @@ pub(super) static PARTS: &[Part] = &[
             scene!("fit", SPOT, BackQuarter),
             scene!("lines", GRID, Front),
             scene!("elements", TEAPOT, ThreeQuarter),
+            scene!("radial", SPOT, BackQuarter),
+            scene!("thin-plate", GRID, Front),
             scene!("taper", TEAPOT, ThreeQuarter),
             scene!("twist", SPOT, BackQuarter),
             scene!("bend", TEAPOT, Front),
