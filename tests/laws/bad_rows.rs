@@ -666,4 +666,29 @@ pub(super) const ROWS: &[Row] = &[
         "kernel",
         "unknown field",
     ),
+    (
+        "polynomial",
+        "point = [{ from = \"1%\" }]",
+        "point",
+        "10 coefficients",
+    ),
+    (
+        "polynomial",
+        "degree = 6\npoint = [{ from = \"1%\" }]",
+        "degree",
+        "1 to 5",
+    ),
+    ("polynomial", "degree = 0\npoint = []", "degree", "1 to 5"),
+    (
+        "polynomial",
+        "degree = 1\npoint = [{ from = \"1%\" }, { from = \"2%\" }, { from = \"3%\" }, { from = \"7%\" }]",
+        "point",
+        "2 of the 4 coefficients",
+    ),
+    (
+        "polynomial",
+        "degree = 1\npoint = [{ from = \"1%\", to = \"2%\", by = \"3%\" }]",
+        "point.0.by",
+        "both",
+    ),
 ];

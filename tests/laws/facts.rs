@@ -78,6 +78,16 @@ const FIELDS: usize = 10;
 /// Those that are finite: strengths and masks.
 const FINITE: [usize; 8] = [0, 1, 2, 3, 4, 5, 8, 9];
 
+/// Whether a weight is infinite at a sample of a line.
+fn meets_infinite_weights<S: Space>(warp: &dyn Warp<S>, line: &[S]) -> bool {
+    let mut list = Influences::default();
+    line.iter().any(|&p| {
+        list.clear();
+        warp.influences(&Site::anywhere(p), &mut list);
+        list.list.iter().any(|i| i.weight == f64::INFINITY)
+    })
+}
+
 fn wrappers_declare_no_more_than_holds<S: Registered>() {
     let subjects = Subject::<S>::some();
     let mut random = Random::new(70);
@@ -123,7 +133,14 @@ fn wrappers_declare_no_more_than_holds<S: Registered>() {
         for (name, wrapper) in &wrappers {
             let what = format!("{name} (fields {strength}, {weight}, {mask}) of {subject}");
             for _ in 0..2 {
-                check_line(&what, wrapper, subject, &subject.line(&mut random));
+                let line = subject.line(&mut random);
+                // Where a weight field ends on an area of infinite weights, such as a plate that is met exactly, no ambient
+                // weight removes the jump: lines through such places are left out.
+                if !(name.contains("modulation") || name.contains("ambient"))
+                    || !meets_infinite_weights(&subject.warp(), &line)
+                {
+                    check_line(&what, wrapper, subject, &line);
+                }
             }
         }
     }

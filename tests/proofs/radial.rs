@@ -16,15 +16,18 @@ const KERNELS: [Kernel; 7] = [
     Kernel::Wendland { radius: 0.7 },
 ];
 
-/// Points of about unit size that move by about `move_by`.
+/// Points of about unit size, no two much nearer than so many need be, that move by about `move_by`.
 fn pairs<S: Space>(random: &mut Random, count: usize, move_by: f64) -> Vec<PointPair<S>> {
-    (0..count)
-        .map(|_| {
-            let source = S::from_fn(|_| random.between(-1.0, 1.0));
+    let apart = 0.6 / (count as f64).powf(1.0 / S::DIM as f64);
+    let mut list: Vec<PointPair<S>> = Vec::new();
+    while list.len() < count {
+        let source = S::from_fn(|_| random.between(-1.0, 1.0));
+        if list.iter().all(|pair| pair.source.distance(source) > apart) {
             let target = source + random.vector::<S>() * move_by;
-            PointPair { source, target }
-        })
-        .collect()
+            list.push(PointPair { source, target });
+        }
+    }
+    list
 }
 
 fn at<S: Space>(warp: &RadialWarp<S>, p: S) -> S {

@@ -95,6 +95,8 @@ pub(super) static PARTS: &[Part] = &[
             scene!("elements", TEAPOT, ThreeQuarter),
             scene!("radial", SPOT, BackQuarter),
             scene!("thin-plate", GRID, Front),
+            scene!("polynomial", GRID, Front),
+            scene!("grid", GRID, Front),
             scene!("taper", TEAPOT, ThreeQuarter),
             scene!("twist", SPOT, BackQuarter),
             scene!("bend", TEAPOT, Front),

@@ -16,7 +16,7 @@ use serde::Deserialize;
 /// One source point and where it goes.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct LandmarkParameters {
+pub(crate) struct LandmarkParameters {
     /// The source point.
     from: Place,
     /// The target point.
@@ -85,7 +85,7 @@ struct PlateParameters {
 }
 
 /// The pairs of the files and of the list, and how many are of the files.
-fn landmarks<S: Space>(
+pub(crate) fn landmarks<S: Space>(
     files: (Option<&String>, Option<&String>),
     list: &[LandmarkParameters],
     context: &Context<'_, S>,
