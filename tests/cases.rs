@@ -8,18 +8,21 @@ use anamorph_core::{
     Transformation, fit, glam::dvec3,
 };
 use anamorph_curves::{Bezier, Indexed};
-use anamorph_features::{ElementPair, Frame, FramePair};
+use anamorph_features::{ElementPair, Frame, FramePair, PointPair};
 use anamorph_fields::falloffs::Wires;
 use anamorph_fields::{AxisRange, Limit};
 use anamorph_tests::cases::{Case, affine, all, field, matrix, number, numbers, point, rows};
 use anamorph_transforms::{Composed, Rotational};
 use anamorph_warps::barr::{AxisFrame, Course, bend::Bend, taper::Taper};
 use anamorph_warps::features::vortex::Vortex;
+use anamorph_warps::grids::{Between, GridWarp};
 use anamorph_warps::lattices::bernstein::BernsteinLattice;
 use anamorph_warps::lattices::bspline::{BsplineLattice, Knots};
 use anamorph_warps::lattices::{Grid, frames::FrameLattice};
 use anamorph_warps::lines::{WeightConstants, global, local};
 use anamorph_warps::meshes::{MeshWarp, Reaches, Uncovered};
+use anamorph_warps::polynomials::PolynomialWarp;
+use anamorph_warps::radial::{Kernel, RadialWarp};
 use anamorph_warps::wires::{Along, ContinuousWires, Wire};
 use std::sync::Arc;
 
@@ -269,6 +272,38 @@ fn mesh(case: &Case) -> usize {
     case.check(&warp.unwrap())
 }
 
+fn grid_of_nodes(case: &Case) -> usize {
+    let params = &case.params;
+    let moves = displacements::<Plane>(params);
+    let (columns, rows) = (numbers(&params["xs"]), numbers(&params["ys"]));
+    case.check(&GridWarp::construct(columns, rows, Between::Bilinear, moves).unwrap())
+}
+
+fn pairs<S: Space>(params: &Value) -> Vec<PointPair<S>> {
+    let points = |key: &str| rows(&params[key]).into_iter().map(|row| point::<S>(&row));
+    let pairs = points("P").zip(points("Ps"));
+    let pairs = pairs.map(|(source, target)| PointPair { source, target });
+    pairs.collect()
+}
+
+fn polynomial<S: Space>(case: &Case) -> usize {
+    let degree = case.params["degree"].as_u64().unwrap() as usize;
+    case.check(&PolynomialWarp::construct(pairs::<S>(&case.params), degree).unwrap())
+}
+
+fn radial<S: Space>(case: &Case) -> usize {
+    let params = &case.params;
+    let (kernel, affine) = match params.get("kernel").and_then(Value::as_str) {
+        None => (Kernel::ThinPlate, true),
+        Some("multiquadric") => {
+            let width = number(&params["c"]);
+            (Kernel::Multiquadric { width }, params["affine"] == true)
+        }
+        Some(other) => panic!("{other}"),
+    };
+    case.check(&RadialWarp::construct(pairs::<S>(params), kernel, affine, 0.0).unwrap())
+}
+
 fn wires<S: Rotational>(case: &Case) -> Vec<Wire<S>> {
     let list = case.params["wires"].as_array().unwrap();
     let curve = |value: &Value| {
@@ -299,6 +334,9 @@ fn run<S: Rotational>(case: &Case) -> usize {
         "vortex" => vortex(case),
         "feature_lines.beier_neely" => lines(case),
         "mesh_warp" => mesh(case),
+        "ffd.bilinear_grid" => grid_of_nodes(case),
+        "polynomial" => polynomial::<S>(case),
+        "rbf" | "thin_plate" => radial::<S>(case),
         "wires.wires" => {
             let warp = anamorph_warps::wires::Wires::construct(wires::<S>(case), None);
             case.check(&warp.unwrap())

@@ -89,6 +89,33 @@ fn the_plane_refuses_what_only_space_has() {
             "line.0.target",
             "2 ends",
         ),
+        ("grid", "columns = 1\nrows = 2", "columns", "2 to"),
+        ("grid", "columns = 2\nrows = [0]", "rows", "at least 2"),
+        (
+            "grid",
+            "columns = [0, 2, 2]\nrows = 2",
+            "columns.2",
+            "ascend",
+        ),
+        (
+            "grid",
+            "columns = 1000000\nrows = 1000000",
+            "columns",
+            "at most",
+        ),
+        (
+            "grid",
+            "columns = 3\nrows = 2\nmove = [{ index = [3, 0], by = \"1%\" }]",
+            "move.0.index.0",
+            "indices run",
+        ),
+        (
+            "grid",
+            "columns = 3\nrows = 2\ncells = \"cubic\"",
+            "cells",
+            "smooth",
+        ),
+        ("grid", "rows = 2", "", "columns"),
         (
             "lines",
             "a = \"-1%\"\nline = [{ source = [[0, 0], [1, 0]] }]",

@@ -61,7 +61,7 @@ fn field<S: Registered>(number: usize, subject: &Subject<S>) -> Box<dyn Field<S>
     let inner = anamorph_core::Bounds::new(b.at(S::splat(0.3)), b.at(S::splat(0.6)));
     match number {
         0 => Box::new(Radial::new(centre, 0.43 * size, Wires).unwrap()),
-        1 => Box::new(Radial::new(off, 0.25 * size, LinearFalloff).unwrap()),
+        1 => Box::new(Radial::new(off, 0.26 * size, LinearFalloff).unwrap()),
         2 => Box::new(BoxField::new(inner, 0.1 * size, Smootherstep).unwrap()),
         3 => Box::new(HalfSpace::new(off, S::unit(1), 0.2 * size, Smoothstep).unwrap()),
         4 => Box::new(Complement::new(
@@ -77,6 +77,16 @@ fn field<S: Registered>(number: usize, subject: &Subject<S>) -> Box<dyn Field<S>
 const FIELDS: usize = 10;
 /// Those that are finite: strengths and masks.
 const FINITE: [usize; 8] = [0, 1, 2, 3, 4, 5, 8, 9];
+
+/// Whether a weight is infinite along a piece of a line.
+fn meets_infinite_weights<S: Space>(warp: &dyn Warp<S>, line: &[S]) -> bool {
+    let mut list = Influences::default();
+    line.iter().step_by(16).any(|&p| {
+        list.clear();
+        warp.influences(&Site::anywhere(p), &mut list);
+        list.list.iter().any(|i| i.weight == f64::INFINITY)
+    })
+}
 
 fn wrappers_declare_no_more_than_holds<S: Registered>() {
     let subjects = Subject::<S>::some();
@@ -123,7 +133,14 @@ fn wrappers_declare_no_more_than_holds<S: Registered>() {
         for (name, wrapper) in &wrappers {
             let what = format!("{name} (fields {strength}, {weight}, {mask}) of {subject}");
             for _ in 0..2 {
-                check_line(&what, wrapper, subject, &subject.line(&mut random));
+                let line = subject.line(&mut random);
+                // Where a weight field ends on an area of infinite weights, such as a plate that is met exactly, no ambient
+                // weight removes the jump: lines through such places are left out.
+                if !(name.contains("modulation") || name.contains("ambient"))
+                    || !meets_infinite_weights(&subject.warp(), &line)
+                {
+                    check_line(&what, wrapper, subject, &line);
+                }
             }
         }
     }
@@ -203,7 +220,7 @@ fn strengths_multiply<S: Registered>() {
         fast.map_points(0, &mut moved);
         for (&p, &q) in points.iter().zip(&moved) {
             let expected = literal.map(&Site::anywhere(p));
-            let scale = subject.scale().max(p.largest()).max(expected.largest());
+            let scale = subject.in_play(&literal, p, expected);
             let error = (q - expected).largest();
             assert!(
                 error <= 1e-12 * scale,

@@ -8,4 +8,6 @@ mod features;
 mod framework;
 mod lattices;
 mod lines;
+mod planes;
+mod radial;
 mod wires;

@@ -91,7 +91,79 @@ pub fn settings<S: Registered>() -> Vec<Setting> {
     lines(&mut list);
     meshes(&mut list);
     curves(&mut list);
+    radial(&mut list);
     list.all
+}
+
+fn radial<S: Registered>(list: &mut List<S>) {
+    // As many points as coefficients, and more.
+    for (degree, count) in [(1, 4), (1, 12), (2, 16), (2, 30), (3, 40), (4, 60), (5, 90)] {
+        let mut points = String::new();
+        let mut random = crate::random::Random::new(count);
+        for _ in 0..count {
+            let at: [f64; 3] = core::array::from_fn(|_| random.between(0.0, 100.0));
+            let by: [f64; 3] = core::array::from_fn(|_| random.between(-4.0, 4.0));
+            let [x, y, z] = at.map(|x| format!("\"{x:.3}%\""));
+            let [u, v, w] = by.map(|x| format!("\"{x:.3}%\""));
+            points += &format!("{{ from = «{x};{y};{z}», by = «{u};{v};{w}» }}, ");
+        }
+        list.add(
+            "polynomial",
+            &[None],
+            &format!("degree = {degree}\npoint = [{points}]"),
+        );
+    }
+    if S::DIM == 2 {
+        for cells in ["bilinear", "smooth"] {
+            for text in [
+                "columns = 2\nrows = 2\nmove = [{ index = [1, 0], by = [\"20%\", \"10%\"] }]",
+                "columns = 5\nrows = [\"-10%\", \"20%\", \"35%\", \"110%\"]\nmove = [{ index = [\"*\", 1], by = [\"9%\", 0] }, \
+                 { index = [2, 2], to = \"50%\" }, { index = [[0, 1], -1], turn = \"30deg\", scale = 0.9 }]",
+                // The outer nodes stay; the outer two.
+                "columns = 4\nrows = 5\nmove = [{ index = [[1, 2], 3], by = [\"6%\", \"-7%\"] }]",
+                "columns = 6\nrows = [\"0%\", \"10%\", \"30%\", \"45%\", \"80%\", \"100%\"]\n\
+                 move = [{ index = [[2, 3], 2], by = [\"3%\", \"-4%\"] }]",
+            ] {
+                list.add("grid", &[None], &format!("cells = \"{cells}\"\n{text}"));
+            }
+        }
+    }
+    let points = r#"point = [{ from = «"20%";"30%";"10%"», by = «"8%";"-5%";"6%"» }, { from = «"70%";"20%";"40%"» },
+        { from = «"40%";"80%";"60%"», by = «"-10%";"4%";"3%"» }, { from = «"85%";"75%";"15%"», to = «"80%";"80%";"20%"» },
+        { from = «"50%";"50%";"90%"», by = «0;"7%";"-9%"» }]"#;
+    // One of them twice, and so near to another that it matters.
+    let close = r#"point = [{ from = «"20%";"30%";"10%"», by = «"8%";"-5%";"6%"» }, { from = «"70%";"20%";"40%"» },
+        { from = «"70%";"20%";"40%"» }, { from = «"70.01%";"20%";"40%"», by = «"0.003%";0;"0.002%"» },
+        { from = «"40%";"80%";"60%"», by = «"-10%";"4%";"3%"» }, { from = «"85%";"75%";"15%"» }]"#;
+    for points in [points, close] {
+        list.add("thin-plate", &[None], points);
+        list.add(
+            "thin-plate",
+            &[None],
+            &format!("smoothing = 0.01\n{points}"),
+        );
+        for kernel in [
+            "kernel = \"linear\"",
+            "kernel = \"linear\"\naffine = false",
+            "kernel = \"cubic\"",
+            "kernel = \"thin-plate\"",
+            "kernel = \"gaussian\"\nwidth = \"25%\"",
+            "kernel = \"gaussian\"\nwidth = \"40%\"\naffine = false\nsmoothing = 0.1",
+            "kernel = \"multiquadric\"\nwidth = \"10%\"",
+            "kernel = \"multiquadric\"\nwidth = \"20%\"\naffine = false",
+            "kernel = \"inverse-multiquadric\"\nwidth = \"20%\"",
+            "kernel = \"inverse-multiquadric\"\nwidth = \"30%\"\naffine = false",
+            "kernel = \"wendland\"\nradius = \"35%\"",
+            "kernel = \"wendland\"\nradius = \"120%\"\naffine = true",
+        ] {
+            list.add("radial", &[None], &format!("{kernel}\n{points}"));
+        }
+    }
+    list.add(
+        "radial",
+        &[None],
+        "kernel = \"wendland\"\nradius = \"30%\"\npoint = [{ from = \"60%\", by = «\"9%\";0;\"3%\"» }]",
+    );
 }
 
 fn meshes<S: Registered>(list: &mut List<S>) {
@@ -576,6 +648,28 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
             "target = { points = [«\"20%\";\"90%\";\"50%\"», «\"80%\";\"60%\";\"40%\"», \"10%\"] }\nscale = 0.5",
         ),
         (
+            "radial",
+            "kernel = \"multiquadric\"\nwidth = \"20%\"\naffine = false\n",
+            "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }]",
+            "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"», by = \"9%\" }]",
+        ),
+        (
+            "polynomial",
+            "degree = 1\n",
+            "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"» }, { from = «\"20%\";\"80%\";\"40%\"», by = \"9%\" }, \
+             { from = «\"90%\";\"70%\";\"10%\"» }]",
+            "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }, { from = «\"20%\";\"80%\";\"40%\"» }, \
+             { from = «\"90%\";\"70%\";\"10%\"», to = \"80%\" }]",
+        ),
+        (
+            "thin-plate",
+            "",
+            "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"» }, { from = «\"20%\";\"80%\";\"40%\"», by = \"9%\" }, \
+             { from = «\"90%\";\"70%\";\"10%\"» }]",
+            "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }, { from = «\"20%\";\"80%\";\"40%\"» }, \
+             { from = «\"90%\";\"70%\";\"10%\"», to = \"80%\" }]",
+        ),
+        (
             "axial",
             "axis = «1;2;2»\n",
             "scale = [[0, 1, 2], [1, 1, 1]]",
@@ -589,6 +683,12 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
         "polynomial = [0, 0.1]",
     )];
     let plane: &[(&'static str, &str, &str, &str)] = &[
+        (
+            "grid",
+            "columns = 4\nrows = 3\ncells = \"smooth\"\n",
+            "move = [{ index = [1, 1], by = \"9%\" }]",
+            "move = [{ index = [\"*\", 0], by = \"-9%\" }]",
+        ),
         (
             "lines",
             "a = \"3%\"\n",

@@ -4,7 +4,9 @@ use crate::models::boxes;
 use crate::random::Random;
 use crate::settings::{Setting, settings};
 use anamorph_catalog::{Built, ConstructError, Context, Value, WarpEntry};
-use anamorph_core::{Bounds, Plane, Smoothness, Solid, Space, Support, Warp};
+use anamorph_core::{
+    Average, Bounds, Influences, Plane, Site, Smoothness, Solid, Space, Support, Warp,
+};
 use anamorph_transforms::Rotational;
 
 /// A space with its registry of warps.
@@ -163,6 +165,21 @@ impl<S: Registered> Subject<S> {
                 }
             })
             .collect()
+    }
+
+    /// The size of the numbers that make up the image of a point: where terms are summed without an average, rounding errors are
+    /// relative to the largest of them.
+    pub fn in_play(&self, warp: &dyn Warp<S>, p: S, image: S) -> f64 {
+        let mut size = self.scale().max(p.largest()).max(image.largest());
+        if warp.average() == Average::Plain {
+            let mut list = Influences::default();
+            warp.influences(&Site::anywhere(p), &mut list);
+            for influence in &list.list {
+                let term = warp.scaled(influence.address, influence.strength);
+                size = size.max(term.displacement(p).largest());
+            }
+        }
+        size
     }
 
     /// A random line through the neighbourhood of the box, sampled; see [`crate::measure::breaks`].

@@ -256,6 +256,40 @@ pub fn sin_cos<V: Simd>(simd: V, angle: f64x8<V>) -> (f64x8<V>, f64x8<V>) {
     (sin, cos)
 }
 
+/// Natural logarithms of eight positive normal numbers; equal to [`crate::math::ln_positive`] bit for bit.
+#[inline(always)]
+pub fn ln_positive<V: Simd>(simd: V, x: f64x8<V>) -> f64x8<V> {
+    let c = |value: f64| f64x8::splat(simd, value);
+    let bit = |value: u64| u64x8::splat(simd, value);
+    let shifted = x.bitcast::<u64x8<V>>() + bit(ONE - ROOT_HALF);
+    let k = ((shifted >> 52) | bit(TWO_52)).bitcast::<f64x8<V>>() - c(TWO_52_BIASED);
+    let f = ((shifted & bit(MANTISSA)) + bit(ROOT_HALF)).bitcast::<f64x8<V>>() - c(1.0);
+    let half = c(0.5) * f * f;
+    let s = f / (c(2.0) + f);
+    let z = s * s;
+    let w = z * z;
+    let even = w * (c(LN[1]) + w * (c(LN[3]) + w * c(LN[5])));
+    let odd = z * (c(LN[0]) + w * (c(LN[2]) + w * (c(LN[4]) + w * c(LN[6]))));
+    s * (half + (even + odd)) + k * c(LN_2_2) - half + f + k * c(LN_2_1)
+}
+
+/// Exponentials of eight numbers that are not positive; equal to [`crate::math::exp_negative`] bit for bit.
+#[inline(always)]
+pub fn exp_negative<V: Simd>(simd: V, x: f64x8<V>) -> f64x8<V> {
+    let c = |value: f64| f64x8::splat(simd, value);
+    let shifted = x * c(core::f64::consts::LOG2_E) + c(ROUNDER);
+    let k = shifted - c(ROUNDER);
+    let (high, low) = (x - k * c(LN_2_1), k * c(LN_2_2));
+    let r = high - low;
+    let z = r * r;
+    let tail = c(EXP[1]) + z * (c(EXP[2]) + z * (c(EXP[3]) + z * c(EXP[4])));
+    let t = r - z * (c(EXP[0]) + z * tail);
+    let y = c(1.0) + (r * t / (c(2.0) - t) - low + high);
+    let power = (shifted.bitcast::<u64x8<V>>() + u64x8::splat(simd, 1023)) << 52;
+    let value = y * power.bitcast::<f64x8<V>>();
+    x.simd_lt(c(LEAST_EXPONENT)).select(c(0.0), value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -289,6 +323,27 @@ mod tests {
                     "cos {}",
                     angles[lane]
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn logarithms_and_exponentials_equal_scalars_bit_for_bit() {
+        for i in 0..40_000 {
+            let x: [f64; LANES] = core::array::from_fn(|lane| {
+                let number = f64::from(i * 8 + lane as i32);
+                [math::pow(10.0, number * 1e-3 - 150.0), 0.5 + number * 1e-5][i as usize % 2]
+            });
+            let y = x.map(|x| -(math::ln(x) + 346.0).abs() * 2.2);
+            let (ln, exp): ([f64; LANES], [f64; LANES]) = dispatch!(Level::new(), simd => {
+                let ln = ln_positive(simd, f64x8::simd_from(simd, x));
+                let exp = exp_negative(simd, f64x8::simd_from(simd, y));
+                (ln.into(), exp.into())
+            });
+            for lane in 0..LANES {
+                assert_eq!(ln[lane].to_bits(), math::ln_positive(x[lane]).to_bits());
+                let plain = math::exp_negative(y[lane]);
+                assert_eq!(exp[lane].to_bits(), plain.to_bits(), "exp {}", y[lane]);
             }
         }
     }

@@ -5,6 +5,9 @@
 //! - [`lattices`]: free-form deformation with Bernstein polynomials, B-splines, and lattices of frames.
 //! - [`cages`]: control points and frames as wires that a modeller edits.
 //! - [`barr`]: taper, twist, bend and the generalized deformation along an axis.
+//! - [`grids`]: grids of the plane, each cell of which follows its corners.
+//! - [`polynomials`]: polynomials of the coordinates, fitted to points.
+//! - [`radial`]: radial basis functions and thin plates through points.
 //! - [`wires`]: curves that are bent, and the model near them follows; axes that bend.
 //!
 //! Each warp is built by a `construct` function that checks its parameters and returns a typed error, and is a
@@ -28,9 +31,12 @@
 pub mod barr;
 pub mod cages;
 pub mod features;
+pub mod grids;
 pub mod lattices;
 pub mod lines;
 pub mod meshes;
+pub mod polynomials;
+pub mod radial;
 #[cfg(feature = "recipe")]
 pub mod registry;
 pub mod wires;

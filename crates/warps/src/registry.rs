@@ -4,7 +4,7 @@
 //!
 //! *Source*: Milliron et al. 2002, §3–§6 for the order.
 
-use crate::{barr, features, lattices, lines, meshes, wires};
+use crate::{barr, features, grids, lattices, lines, meshes, polynomials, radial, wires};
 use anamorph_catalog::WarpEntry;
 use anamorph_core::{Plane, Solid};
 use anamorph_transforms::Rotational;
@@ -24,6 +24,9 @@ fn both<S: Rotational>() -> Vec<WarpEntry<S>> {
         barr::parameters::bend(),
         barr::parameters::axial(),
         meshes::parameters::mesh(),
+        radial::parameters::radial(),
+        radial::parameters::thin_plate(),
+        polynomials::parameters::polynomial(),
     ]
 }
 
@@ -32,6 +35,7 @@ fn plane_only() -> Vec<WarpEntry<Plane>> {
     vec![
         lines::parameters::local_lines(),
         lines::parameters::global_lines(),
+        grids::parameters::grid(),
     ]
 }
 

@@ -66,16 +66,16 @@ fn reach<S: Space>(
 }
 
 /// Source points and their targets.
-type Both<S> = (Vec<S>, Vec<S>);
+pub(crate) type Both<S> = (Vec<S>, Vec<S>);
 
 /// The files of a warp.
-struct Files<S> {
+pub(crate) struct Files<S> {
     source: Option<Feature<S>>,
     target: Option<Feature<S>>,
 }
 
 impl<S: Space> Files<S> {
-    fn load(
+    pub(crate) fn load(
         source: Option<&String>,
         target: Option<&String>,
         context: &Context<'_, S>,
@@ -87,7 +87,7 @@ impl<S: Space> Files<S> {
     }
 
     /// The points of both, if there are files; `kind` is what a cage may say that it is for.
-    fn points(&self, kind: &str) -> Result<Option<Both<S>>, ConstructError> {
+    pub(crate) fn points(&self, kind: &str) -> Result<Option<Both<S>>, ConstructError> {
         let (source, target) = match (&self.source, &self.target) {
             (None, None) => return Ok(None),
             (Some(source), Some(target)) => (source, target),
@@ -110,7 +110,7 @@ impl<S: Space> Files<S> {
 }
 
 /// The target of a feature: a place, or an offset from the source.
-fn target<S: Space>(
+pub(crate) fn target<S: Space>(
     path: &str,
     source: S,
     to: Option<&Place>,

@@ -45,7 +45,7 @@ enum Star {
 /// One edit of control points.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct MoveParameters {
+pub(crate) struct MoveParameters {
     /// Index of the control point along each axis: a number from 0 (negative counts from the end), a list, or "*".
     index: Vec<Selector>,
     /// Offset by which the points move, after turning and scaling.
@@ -114,7 +114,7 @@ fn choose<S: Space>(
 }
 
 /// Applies the edits in order to the points of a lattice, which start from where a cage has them.
-fn edit<S: Space>(
+pub(crate) fn edit<S: Space>(
     grid: &Grid<S>,
     rest: &[S],
     target: Option<Vec<S>>,
