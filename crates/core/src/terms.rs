@@ -223,7 +223,8 @@ impl<S: Space> Deformation<S> for Modulated<S> {
             facts.weights_fade &= weight.smoothness() > Smoothness::Jump;
             // A weight that vanishes within the warp's reach leaves the rest of the average to jump.
             if !(weight.positive() && weight.support().covers(&facts.support)) {
-                if self.ambient.is_none() {
+                // Beside an ambient weight the rest fades with the field, unless weights are infinite: these decide alone up to where it ends.
+                if self.ambient.is_none() || !facts.weights_fade {
                     facts.edge = Smoothness::Jump;
                     facts = facts.with_note(
                         "the weight field ends inside the warp: with normalized weights the warp jumps there (errata \
