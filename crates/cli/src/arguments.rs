@@ -99,7 +99,7 @@ pub(crate) struct WarpOptions {
     #[arg(long, conflicts_with = "binding")]
     pub invert: bool,
     /// The model as it was before the recipe warped it: what is relative to the model's bounds refers to this one
-    #[arg(long, value_name = "MODEL")]
+    #[arg(long, value_name = "MODEL", conflicts_with = "frames")]
     pub rest: Option<PathBuf>,
     /// Write the recipe over time, from the model as it is to the full warp, as that many numbered files: OUT (and a preview or
     /// report) says where the number goes, as in out.%04d.obj or out.####.obj. Frames that exist are kept. An OUT that ends in

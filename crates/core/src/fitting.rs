@@ -80,8 +80,10 @@ impl core::fmt::Display for FitError {
 
 impl core::error::Error for FitError {}
 
-/// Steps whose vectors are kept for orthogonality, at most: beyond, it is an iteration like any other.
-const KEPT: usize = 2048;
+/// Numbers of the vectors that are kept for orthogonality, at most: beyond, it is an iteration like any other.
+const KEPT: usize = 1 << 21;
+/// Steps of the iteration at most.
+const STEPS: usize = 2048;
 /// The iteration ends where what is left has become this share of what there was.
 const ENOUGH: f64 = 1e-15;
 /// A vector that is this share of the matrix is what orthogonalization leaves of nothing.
@@ -227,7 +229,8 @@ fn least_squares(rows: &Rows, columns: usize, wanted: &[f64], damp: f64) -> Vec<
     let short = rows.len() <= columns;
     let mut kept = vec![if short { u.clone() } else { v.clone() }];
     // Without rounding it ends by itself; beyond what is kept it may need longer.
-    let steps = 4 * rows.len().min(columns) + 16;
+    let steps = (4 * rows.len().min(columns) + 16).min(STEPS);
+    let most = KEPT / rows.len().min(columns).max(1);
     for _ in 0..steps {
         if alpha == 0.0 {
             break;
@@ -245,7 +248,7 @@ fn least_squares(rows: &Rows, columns: usize, wanted: &[f64], damp: f64) -> Vec<
             }
             alpha = normalize(&mut v, scale);
         }
-        if kept.len() < KEPT {
+        if kept.len() < most {
             kept.push(if short { u.clone() } else { v.clone() });
         }
         // One rotation takes the damping in, the other the next row.
@@ -302,6 +305,16 @@ impl<S: Space, W: Warp<S>> Fitted<W, S> {
             format!("fitted to {count}; pin {worst} is missed most, by {most:.3e}")
         };
         Self { warp, pins, note }
+    }
+}
+
+impl<W, S> Fitted<W, S> {
+    /// The same with a sentence more for the report.
+    #[must_use]
+    pub fn with_note(mut self, sentence: &str) -> Self {
+        self.note.push_str("; ");
+        self.note.push_str(sentence);
+        self
     }
 }
 

@@ -59,8 +59,8 @@ pub fn polylines(bytes: &[u8], tolerance: f64) -> Result<Drawing, ReadError> {
     let Some(extent) = extent else {
         return Err(ReadError::new(
             ReadErrorKind::Syntax,
-            "this drawing shows no path",
-            "draw one, with a stroke or a fill, or turn text into paths",
+            "this drawing shows no path that can be read",
+            "draw one, with a stroke or a fill, mend its path data, or turn text into paths",
         ));
     };
     let tolerance = tolerance * extent.width().max(extent.height()).max(f64::MIN_POSITIVE);

@@ -8,6 +8,9 @@ use anamorph_catalog::{Built, ConstructError, Context, FeatureMesh, Offset, Plac
 use anamorph_core::{FitError, Fitted, Mark, Pin, Role, Shape, Space, Warp, fit};
 use serde::Deserialize;
 
+/// Targets that go so many times as far as any pin are worth a word.
+const WILD: f64 = 30.0;
+
 /// A place and where it is to go.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -124,7 +127,7 @@ impl FitParameters {
             FitError::Stiffness { .. } => ("stiffness".to_owned(), ""),
             FitError::OutOfReach { pin } => (
                 at(pin),
-                "move the pin to where the warp reaches, or make the warp larger",
+                "move the pin to where the warp reaches, make the warp larger, or give it strength and weight there",
             ),
             FitError::NotLinear => (String::new(), "fit another warp, such as a lattice"),
         };
@@ -167,6 +170,16 @@ pub(crate) fn fitted<S: Space>(
         ]
     });
     built.marks = marks.flatten().collect();
-    built.warp = Box::new(Fitted::new(finish(built.warp)?, pins));
+    let length = |v: &S| v.length();
+    let far = changes.iter().map(length).fold(0.0, f64::max);
+    let asked = pins.iter().map(|pin| pin.source.distance(pin.target));
+    let asked = asked.fold(0.0, f64::max);
+    let mut fitted = Fitted::new(finish(built.warp)?, pins);
+    if far > WILD * asked {
+        fitted = fitted.with_note(
+            "targets had to go much farther than any pin, as pins that are close to each other part; a `stiffness` such as 0.001 tames that",
+        );
+    }
+    built.warp = Box::new(fitted);
     Ok(built)
 }

@@ -95,7 +95,7 @@ pub(super) fn write(
         distance
     };
     say!(
-        "  vertices of the model are at most {} from it, {} % of the model's size (vertex {})",
+        "  vertices of its faces are at most {} from it, {} % of the model's size (vertex {})",
         files::short(distance),
         files::short(100.0 * (distance / size)),
         vertex + 1

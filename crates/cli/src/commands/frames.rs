@@ -69,6 +69,12 @@ impl Frames {
         self.count
     }
 
+    /// The numbers of the frames outside of the range.
+    pub(crate) fn others(&self) -> impl Iterator<Item = i64> + '_ {
+        let last = self.first + i64::try_from(self.count).unwrap_or(i64::MAX) - 1;
+        (self.first..=last).filter(|n| !(self.range.0..=self.range.1).contains(n))
+    }
+
     /// The number of the first frame of the whole time.
     pub(crate) fn first(&self) -> i64 {
         self.first

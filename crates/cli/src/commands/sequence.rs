@@ -90,6 +90,13 @@ impl Record {
                 path.display()
             )));
         }
+        if force && let Some(other) = frames.others().map(|n| output.path(n)).find(|p| p.exists()) {
+            return Err(Failure::usage(format!(
+                "{}: this frame is outside of --range, and of another recipe, model or number of frames; write the whole series anew, \
+                 without --range, or choose another name",
+                other.display()
+            )));
+        }
         let mut existing = frames.all().map(|frame| output.path(frame.number));
         match existing.find(|path| path.exists()) {
             Some(frame) if !force => Err(Failure::usage(format!(

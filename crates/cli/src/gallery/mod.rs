@@ -125,7 +125,7 @@ fn show<S: ModelSpace>(
     Ok(Shown {
         scene,
         kinds,
-        figure,
+        figure: scene.figure.map_or(figure, str::to_owned),
         summary,
         reference,
         promises: promised(&promises(&built, rest, model::size(rest))),

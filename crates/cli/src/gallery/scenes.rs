@@ -37,6 +37,8 @@ pub(super) struct Scene {
     pub(super) files: &'static [(&'static str, &'static [u8])],
     /// From where one looks.
     pub(super) side: Side,
+    /// The figure of the paper, where it is not the one that its warp names.
+    pub(super) figure: Option<&'static str>,
 }
 
 macro_rules! exhibit {
@@ -50,8 +52,15 @@ macro_rules! exhibit {
 }
 
 macro_rules! scene {
+    ($name:literal, $exhibit:ident, $side:ident, as $figure:literal) => {
+        Scene {
+            figure: Some($figure),
+            ..scene!($name, $exhibit, $side)
+        }
+    };
     ($name:literal, $exhibit:ident, $side:ident $(, $file:literal)*) => {
         Scene {
+            figure: None,
             name: $name,
             recipe: include_str!(concat!("../../../../docs/recipes/", $name, ".toml")),
             exhibit: &$exhibit,
@@ -110,6 +119,7 @@ pub(super) static PARTS: &[Part] = &[
         title: "Variants that the framework invents",
         about: "What becomes possible when the parts of a warp are exchanged.",
         scenes: &[
+            scene!("lattice-centre", SPOT, BackQuarter, as "§5.1, Fig. 13"),
             scene!("frame-lattice", SPOT, BackQuarter),
             scene!("global-lines", GRID, Front),
             scene!(
