@@ -79,3 +79,20 @@ pub fn parse<T: DeserializeOwned>(value: &Value) -> Result<T, ConstructError> {
         }
     })
 }
+/// What the parameters `source` and `target` name, where neither goes without the other; nothing where both are left out.
+///
+/// # Errors
+/// An error at the one that is given alone.
+pub fn source_and_target<'a, T>(
+    source: Option<&'a T>,
+    target: Option<&'a T>,
+) -> Result<Option<(&'a T, &'a T)>, ConstructError> {
+    let (here, other) = match (source, target) {
+        (None, None) => return Ok(None),
+        (Some(source), Some(target)) => return Ok(Some((source, target))),
+        (Some(_), None) => ("source", "target"),
+        (None, Some(_)) => ("target", "source"),
+    };
+    let message = format!("there is a `{here}` file and no `{other}`");
+    Err(ConstructError::new(here, message).with_hint(format!("name the other file as `{other}`")))
+}

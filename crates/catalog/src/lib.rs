@@ -13,7 +13,7 @@ mod mesh;
 mod parameters;
 
 pub use entry::{Attributes, Built, Context, Entry, FieldEntry, Refit, WarpEntry, WithTargets};
-pub use error::{ConstructError, parse};
+pub use error::{ConstructError, parse, source_and_target};
 pub use mesh::{FeatureMesh, Meshes};
 pub use parameters::{Along, Angle, Axis, Coordinate, Length, Offset, Place, ScalingMethod};
 pub use schemars;

@@ -4,7 +4,9 @@
 //! in its targets; see [`anamorph_core::fit`]. The notation is a decision.
 
 use anamorph_catalog::schemars::{self, JsonSchema};
-use anamorph_catalog::{Built, ConstructError, Context, FeatureMesh, Offset, Place, Value, parse};
+use anamorph_catalog::{
+    Built, ConstructError, Context, FeatureMesh, Offset, Place, Value, parse, source_and_target,
+};
 use anamorph_core::{FitError, Fitted, Mark, Pin, Role, Shape, Space, Warp, fit};
 use serde::Deserialize;
 
@@ -54,37 +56,25 @@ fn points<S: Space>(path: &str, name: &str, file: &FeatureMesh) -> Result<Vec<S>
 impl FitParameters {
     fn pins<S: Space>(&self, context: &Context<'_, S>) -> Result<Vec<Pin<S>>, ConstructError> {
         let mut pins = Vec::new();
-        match (&self.source, &self.target) {
-            (None, None) => {}
-            (Some(source), Some(target)) => {
-                let sources = points::<S>("source", source, &*context.mesh("source", source)?)?;
-                let targets = points::<S>("target", target, &*context.mesh("target", target)?)?;
-                if sources.len() != targets.len() {
-                    let message = format!(
-                        "{source} has {} points and {target} {}",
-                        sources.len(),
-                        targets.len()
-                    );
-                    return Err(ConstructError::new("target", message)
-                        .with_hint("give one target for each place, in the same order"));
-                }
-                let both = sources.into_iter().zip(targets);
-                pins.extend(both.map(|(source, target)| Pin {
-                    source,
-                    target,
-                    weight: 1.0,
-                }));
+        let both = source_and_target(self.source.as_ref(), self.target.as_ref())?;
+        if let Some((source, target)) = both {
+            let sources = points::<S>("source", source, &*context.mesh("source", source)?)?;
+            let targets = points::<S>("target", target, &*context.mesh("target", target)?)?;
+            if sources.len() != targets.len() {
+                let message = format!(
+                    "{source} has {} points and {target} {}",
+                    sources.len(),
+                    targets.len()
+                );
+                return Err(ConstructError::new("target", message)
+                    .with_hint("give one target for each place, in the same order"));
             }
-            (source, _) => {
-                let (here, other) = if source.is_some() {
-                    ("source", "target")
-                } else {
-                    ("target", "source")
-                };
-                let message = format!("there is a `{here}` file and no `{other}`");
-                return Err(ConstructError::new(here, message)
-                    .with_hint(format!("name the other file as `{other}`")));
-            }
+            let both = sources.into_iter().zip(targets);
+            pins.extend(both.map(|(source, target)| Pin {
+                source,
+                target,
+                weight: 1.0,
+            }));
         }
         for (number, pin) in self.pin.iter().enumerate() {
             let path = format!("pin.{number}");

@@ -11,7 +11,7 @@ use crate::lattices::frame_pairs;
 use anamorph_catalog::schemars::JsonSchema;
 use anamorph_catalog::{
     Angle, Axis, Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse,
-    schemars,
+    schemars, source_and_target,
 };
 use anamorph_core::{Linear, Scaling, Space};
 use anamorph_features::{Frame, FramePair, PointPair};
@@ -88,19 +88,9 @@ impl<S: Space> Files<S> {
 
     /// The points of both, if there are files; `kind` is what a cage may say that it is for.
     pub(crate) fn points(&self, kind: &str) -> Result<Option<Both<S>>, ConstructError> {
-        let (source, target) = match (&self.source, &self.target) {
-            (None, None) => return Ok(None),
-            (Some(source), Some(target)) => (source, target),
-            (source, _) => {
-                let (here, other) = if source.is_some() {
-                    ("source", "target")
-                } else {
-                    ("target", "source")
-                };
-                let message = format!("there is a `{here}` file and no `{other}`");
-                return Err(ConstructError::new(here, message)
-                    .with_hint(format!("name the other file as `{other}`")));
-            }
+        let both = source_and_target(self.source.as_ref(), self.target.as_ref())?;
+        let Some((source, target)) = both else {
+            return Ok(None);
         };
         source.expect_kind(kind)?;
         target.expect_kind(kind)?;

@@ -9,6 +9,7 @@ use crate::cages::expect_in_space;
 use anamorph_catalog::schemars::JsonSchema;
 use anamorph_catalog::{
     Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse, schemars,
+    source_and_target,
 };
 use anamorph_core::{Plane, Scaling, Space};
 use anamorph_features::ElementPair;
@@ -127,19 +128,8 @@ fn from_files<S: Space>(
     target: Option<&String>,
     context: &Context<'_, S>,
 ) -> Result<Vec<ElementPair<S>>, ConstructError> {
-    let (from, to) = match (source, target) {
-        (None, None) => return Ok(Vec::new()),
-        (Some(source), Some(target)) => (source, target),
-        (source, _) => {
-            let (here, other) = if source.is_some() {
-                ("source", "target")
-            } else {
-                ("target", "source")
-            };
-            let message = format!("there is a `{here}` file and no `{other}`");
-            return Err(ConstructError::new(here, message)
-                .with_hint(format!("name the other file as `{other}`")));
-        }
+    let Some((from, to)) = source_and_target(source, target)? else {
+        return Ok(Vec::new());
     };
     let sources = segments("source", from, context)?;
     let targets = segments("target", to, context)?;
