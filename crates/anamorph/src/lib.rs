@@ -15,6 +15,7 @@
 //! | `io` | `io` | OBJ and CSV documents that keep every byte that does not change |
 //! | `recipe`, `catalog`, `registry` | `recipe` | TOML and JSON recipes, and what they can name |
 //! | `raster` | `raster` | images: rasters, colour, filters, maps, resampling, splatting |
+//! | `morph` | `morph` | metamorphosis: in-betweens of features, images warped by coordinate grids |
 //! | `preview` | `preview` | pictures of models before and after |
 //!
 //! The feature `parallel` uses all cores, with the same results bit for bit; `full` is everything.
@@ -51,6 +52,8 @@ pub use anamorph_fields as fields;
 pub use anamorph_io as io;
 #[cfg(feature = "meshing")]
 pub use anamorph_meshing as meshing;
+#[cfg(feature = "morph")]
+pub use anamorph_morph as morph;
 #[cfg(feature = "preview")]
 pub use anamorph_preview as preview;
 #[cfg(feature = "raster")]

@@ -65,9 +65,9 @@ impl Edge {
             .ok_or_else(|| unknown("edge", name, EDGES.iter().map(|row| row.1)))
     }
 
-    /// The pixel of `size` that stands at `index`; none where nothing does.
+    /// The pixel of `size` (at least 1) that stands at `index`; none where nothing does.
     #[inline]
-    pub(crate) fn pixel(self, index: i64, size: usize) -> Option<usize> {
+    pub fn pixel(self, index: i64, size: usize) -> Option<usize> {
         let length = size as i64;
         if (0..length).contains(&index) {
             return Some(index as usize);
