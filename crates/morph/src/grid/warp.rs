@@ -251,7 +251,7 @@ fn touching(
         let gap: [f64; 4] = std::array::from_fn(|power| b.0[power][side] - a.0[power][side]);
         let (t, least) = lowest(gap);
         // Half the least distance of nodes: what rounding leaves of it.
-        if !(least >= 0.5 * LEAST_GAP) {
+        if least < 0.5 * LEAST_GAP || least.is_nan() {
             return Some((from + (to - from) * t, a.point(t)[side]));
         }
         from = to;
