@@ -26,23 +26,33 @@ pub(super) struct Span {
     /// From here on it holds.
     start: f64,
     /// From here on the next one does.
-    end: f64,
-    /// Where its parameter is 0, and how fast it grows.
-    origin: f64,
-    rate: f64,
-    /// Of the cubic, by ascending power.
-    coefficients: [f64; 4],
+    pub(super) end: f64,
+    /// Where its parameter is 0, and how fast it grows; then the cubic's coefficients by ascending power.
+    numbers: [f64; NUMBERS],
+}
+
+/// How many numbers a span is evaluated with.
+pub(super) const NUMBERS: usize = 6;
+
+/// The place in the image of a place in the result, by the numbers of a span.
+#[inline(always)]
+pub(super) fn evaluate([origin, rate, a, b, c, d]: [f64; NUMBERS], at: f64) -> f64 {
+    let t = (at - origin) * rate;
+    let shift = a + (b + (c + d * t) * t) * t;
+    // Adding 0 would change the sign of a negative zero.
+    if shift == 0.0 { at } else { at + shift }
 }
 
 impl Span {
     /// The place in the image of a place in the result.
-    #[inline]
+    #[inline(always)]
     pub(super) fn place(&self, at: f64) -> f64 {
-        let [a, b, c, d] = self.coefficients;
-        let t = (at - self.origin) * self.rate;
-        let shift = a + (b + (c + d * t) * t) * t;
-        // Adding 0 would change the sign of a negative zero.
-        if shift == 0.0 { at } else { at + shift }
+        evaluate(self.numbers, at)
+    }
+
+    /// What [`evaluate`] takes.
+    pub(super) fn numbers(&self) -> [f64; NUMBERS] {
+        self.numbers
     }
 
     /// Whether it holds for that place in the result.
@@ -53,12 +63,12 @@ impl Span {
 
     /// A place in the result within the span at which places in the image do not increase.
     pub(super) fn turning_back(&self) -> Option<f64> {
-        let [_, b, c, d] = self.coefficients;
-        // The slope of the place by the parameter, times the width: w + b + 2ct + 3dt².
-        if self.rate == 0.0 {
+        let [origin, rate, _, b, c, d] = self.numbers;
+        if rate == 0.0 {
             return None;
         }
-        let width = 1.0 / self.rate;
+        // The slope of the place by the parameter: width + b + 2ct + 3dt².
+        let width = 1.0 / rate;
         let slope = |t: f64| width + b + (2.0 * c + 3.0 * d * t) * t;
         let inner = -c / (3.0 * d);
         let inside = d > 0.0 && inner > 0.0 && inner < 1.0;
@@ -68,7 +78,7 @@ impl Span {
             .min_by(|p, q| slope(*p).total_cmp(&slope(*q)));
         lowest
             .filter(|t| slope(*t) <= 0.0)
-            .map(|t| self.origin + t * width)
+            .map(|t| origin + t * width)
     }
 }
 
@@ -97,9 +107,7 @@ pub(super) fn span_before(
     let still = |knot: Knot, start: f64, end: f64| Span {
         start,
         end,
-        origin: knot.at,
-        rate: 0.0,
-        coefficients: [knot.shift, 0.0, 0.0, 0.0],
+        numbers: [knot.at, 0.0, knot.shift, 0.0, 0.0, 0.0],
     };
     if behind == 0 {
         let first = knot(0);
@@ -117,9 +125,7 @@ pub(super) fn span_before(
         return Span {
             start: from.at,
             end: to.at,
-            origin: from.at,
-            rate,
-            coefficients: [from.shift, rise, 0.0, 0.0],
+            numbers: [from.at, rate, from.shift, rise, 0.0, 0.0],
         };
     }
     let slope = |before: f64, behind: f64, width: f64, next: f64| {
@@ -149,9 +155,9 @@ pub(super) fn span_before(
     Span {
         start: from.at,
         end: to.at,
-        origin: from.at,
-        rate,
-        coefficients: [
+        numbers: [
+            from.at,
+            rate,
             from.shift,
             leaving,
             3.0 * rise - 2.0 * leaving - arriving,

@@ -28,6 +28,15 @@ fn snapped(place: f64) -> f64 {
     }
 }
 
+/// The interval of a pixel, of length 1 at least, from two places in any order: a fold is seen from behind.
+#[inline(always)]
+fn interval(from: f64, to: f64) -> (f64, f64) {
+    let (low, high) = if to < from { (to, from) } else { (from, to) };
+    let grows = high - low < 1.0;
+    let start = snapped(if grows { 0.5 * (low + high) - 0.5 } else { low });
+    (start, if grows { start + 1.0 } else { snapped(high) })
+}
+
 /// A line of `count` pixels, one every `stride` samples from `start` on.
 #[derive(Clone, Copy)]
 pub(super) struct Line<'a> {
@@ -63,14 +72,7 @@ impl Line<'_> {
     /// `N` channels from number `channel` on.
     #[inline(always)]
     fn few<const N: usize>(&self, from: f64, to: f64, channel: usize, out: &mut [f32]) {
-        // A fold is seen from behind.
-        let (from, to) = if to < from { (to, from) } else { (from, to) };
-        let (from, to) = if to - from < 1.0 {
-            let start = snapped(0.5 * (from + to) - 0.5);
-            (start, start + 1.0)
-        } else {
-            (snapped(from), snapped(to))
-        };
+        let (from, to) = interval(from, to);
         if !(from >= 0.0 && to <= self.count as f64) {
             self.beyond::<N>(from, to, channel, out);
             return;
@@ -179,6 +181,80 @@ impl<const N: usize> Sum<N> {
     }
 }
 
+/// Pixels whose intervals are found together.
+pub(super) const RUN: usize = 64;
+
+/// A run of pixels, at most [`RUN`] of `N` channels: pixel `i` from between `from[i]` and `to[i]` of the line that begins
+/// `i · step` samples behind `line`. Start, stride and step are whole pixels.
+///
+/// The quick way is for intervals inside the line that touch no more than three pixels and for numbers that are finite; all others
+/// go through [`Line::pixel`]. Which way a pixel goes depends on nothing but itself.
+#[inline(always)]
+pub(super) fn run<const N: usize>(
+    line: Line<'_>,
+    step: usize,
+    from: &[f64; RUN],
+    to: &[f64; RUN],
+    pixels: &mut [[f32; N]],
+) {
+    // The first pixel or −1, how many pixels there are behind it with weight (two bits), and all weights.
+    let mut first = [0_i32; RUN];
+    let (mut second, mut third) = ([0_u8; RUN], [0_u8; RUN]);
+    let mut weights = [[0.0_f64; RUN]; 3];
+    // Whole numbers of the quick way have 32 bits.
+    let count = if line.count < 1 << 30 {
+        line.count as f64
+    } else {
+        0.0
+    };
+    // A fixed number and no branches, so that the compiler takes many at a time.
+    for i in 0..RUN {
+        let (start, end) = interval(from[i], to[i]);
+        let inside = (start >= 0.0) & (end <= count);
+        let whole = if inside { start } else { 0.0 } as i32;
+        let next = f64::from(whole) + 1.0;
+        let behind = next + 1.0;
+        let share = 1.0 / (end - start);
+        let usable = inside & (end <= behind + 1.0);
+        first[i] = if usable { whole } else { -1 };
+        second[i] = u8::from(end > next);
+        third[i] = u8::from(end > behind);
+        weights[0][i] = (next - start) * share;
+        weights[1][i] = (end.min(behind) - next) * share;
+        weights[2][i] = (end - behind).max(0.0) * share;
+    }
+    let (samples, _) = line.samples.as_chunks::<N>();
+    let (begin, stride, step_pixels) = (line.start / N, line.stride / N, step / N);
+    for (i, pixel) in pixels.iter_mut().enumerate().take(RUN) {
+        if let Ok(first) = usize::try_from(first[i]) {
+            let at = begin + i * step_pixels + first * stride;
+            let second = at + usize::from(second[i]) * stride;
+            let third = second + usize::from(third[i]) * stride;
+            // Pixels without weight are those before them once more.
+            let taps = [at, second, third].map(|at| samples.get(at));
+            if let [Some(a), Some(b), Some(c)] = taps {
+                let mut calm = 0.0;
+                for channel in 0..N {
+                    let sum = f64::from(a[channel]) * weights[0][i]
+                        + f64::from(b[channel]) * weights[1][i]
+                        + f64::from(c[channel]) * weights[2][i];
+                    pixel[channel] = sum as f32;
+                    // Not a number if the sum is not finite.
+                    calm += sum * 0.0;
+                }
+                if calm == 0.0 {
+                    continue;
+                }
+            }
+        }
+        let line = Line {
+            start: line.start + i * step,
+            ..line
+        };
+        line.pixel(from[i], to[i], pixel);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -268,6 +344,43 @@ mod tests {
         assert_eq!(pixel(0.5, 1.5), f32::INFINITY);
         assert!(pixel(2.5, 3.5).is_nan());
         assert_eq!(pixel(4.0, 6.0), 1.0);
+    }
+
+    #[test]
+    fn runs_are_their_pixels() {
+        let value = |i: usize| ((i * 7919) % 101) as f32 - 50.0;
+        let mut samples: Vec<f32> = (0..3 * 40).map(value).collect();
+        samples[61] = f32::INFINITY;
+        samples[90] = f32::NAN;
+        samples[30] = -0.0;
+        let (mut from, mut to) = ([0.0; RUN], [0.0; RUN]);
+        for i in 0..RUN {
+            from[i] = ((i * 53) % 47) as f64 * 0.9 - 2.0;
+            to[i] = from[i] + [0.0, 0.2, 1.0, 1.3, 1.9, 2.0, 2.7, 9.4, -0.5][i % 9];
+            if i % 5 == 0 {
+                (from[i], to[i]) = (from[i].round(), to[i].round());
+            }
+        }
+        for edge in Edge::all() {
+            let line = Line {
+                samples: &samples,
+                start: 0,
+                stride: 3,
+                count: 40,
+                edge,
+            };
+            let mut pixels = [[0.0; 3]; RUN - 3];
+            run::<3>(line, 0, &from, &to, &mut pixels);
+            for (i, pixel) in pixels.iter().enumerate() {
+                let mut expected = [0.0; 3];
+                line.pixel(from[i], to[i], &mut expected);
+                for (found, expected) in pixel.iter().zip(expected) {
+                    // Signs of zeros are those of what is seen where it is seen whole.
+                    let same = *found == expected || found.is_nan() && expected.is_nan();
+                    assert!(same, "{edge:?} {} {} {found} {expected}", from[i], to[i]);
+                }
+            }
+        }
     }
 
     #[test]

@@ -9,10 +9,11 @@
 //! result's rows at a time, so that neighbouring columns share what they read and nothing is transposed. Beyond the rows of
 //! the image the second pass goes on with the rows that the first has made, as the edge says.
 
-use super::line::{Knot, Span, span};
-use super::resampling::Line;
+use super::line::{Knot, NUMBERS, Span, evaluate, span};
+use super::resampling::{self, Line, RUN};
 use super::{GridWarp, Spline};
 use crate::parallel;
+use anamorph_core::simd::{Level, dispatch};
 use anamorph_raster::{Edge, Raster, RasterError, Window};
 
 /// Rows a task draws in the second pass. Each task looks for the start of every column once.
@@ -99,94 +100,265 @@ pub fn two_pass_into(
     );
     let between = Window::new(window.x(), image.window().y(), width, rows.len())?;
     make_room_for(&mut memory.across, between, channels)?;
+    let first = First {
+        image,
+        warp,
+        edge,
+        window,
+    };
     parallel::chunks_with(
         &mut memory.across,
         ACROSS * width * channels,
         Vec::new,
         |knots, task, out| {
             for (row, out) in out.chunks_exact_mut(width * channels).enumerate() {
-                let row = rows.start + task * ACROSS + row;
-                row_across(image, warp, edge, window, row, knots, out);
+                first.across(rows.start + task * ACROSS + row, knots, out);
             }
         },
     );
 
-    let corner = image.window().corner().y + rows.start as f64;
-    let (across, knots) = (&memory.across, &memory.knots);
+    let second = Second {
+        across: &memory.across,
+        rows: rows.len(),
+        top: image.window().corner().y + rows.start as f64,
+        knots: &memory.knots,
+        lines,
+        spline: warp.spline(),
+        edge,
+        width,
+        channels,
+    };
     parallel::chunks_with(
         target.samples_mut(),
         ROWS * width * channels,
-        Vec::new,
-        |columns: &mut Vec<(Span, f64)>, task, out| {
+        Cursors::default,
+        |cursors, task, out| {
             let top = window.corner().y + (task * ROWS) as f64;
-            let column = |column: usize, at: f64| {
-                let knots = &knots[column * lines..][..lines];
-                span(warp.spline(), lines, |i| knots[i], at)
-            };
-            columns.clear();
-            columns.extend((0..width).map(|x| {
-                let span = column(x, top);
-                (span, span.place(top) - corner)
-            }));
-            for (row, out) in out.chunks_exact_mut(width * channels).enumerate() {
-                let below = top + (row + 1) as f64;
-                let pixels = out.chunks_exact_mut(channels).zip(columns.iter_mut());
-                for (x, (pixel, (here, above))) in pixels.enumerate() {
-                    if !here.holds(below) {
-                        *here = column(x, below);
-                    }
-                    let place = here.place(below) - corner;
-                    let line = Line {
-                        samples: across,
-                        start: x * channels,
-                        stride: width * channels,
-                        count: rows.len(),
-                        edge,
-                    };
-                    line.pixel(*above, place, pixel);
-                    *above = place;
-                }
-            }
+            second.down(top, cursors, out);
         },
     );
     debug_assert_eq!(target.samples().len(), width * height * channels);
     Ok(())
 }
 
-/// The first pass for one row of the image.
-fn row_across(
-    image: &Raster,
-    warp: &GridWarp,
+/// Calls a function for the number of channels if the quick way knows it.
+macro_rules! with_channels {
+    ($channels:expr, $quick:ident($($argument:expr),*), $slow:expr) => {
+        match $channels {
+            1 => dispatch!(Level::new(), _simd => $quick::<1>($($argument),*)),
+            2 => dispatch!(Level::new(), _simd => $quick::<2>($($argument),*)),
+            3 => dispatch!(Level::new(), _simd => $quick::<3>($($argument),*)),
+            4 => dispatch!(Level::new(), _simd => $quick::<4>($($argument),*)),
+            _ => $slow,
+        }
+    };
+}
+
+/// The first pass: rows of the image become those between.
+struct First<'a> {
+    image: &'a Raster,
+    warp: &'a GridWarp,
     edge: Edge,
     window: Window,
-    row: usize,
-    knots: &mut Vec<Knot>,
+}
+
+impl First<'_> {
+    /// One row of the image.
+    fn across(&self, row: usize, knots: &mut Vec<Knot>, out: &mut [f32]) {
+        let channels = self.image.channels();
+        let y = self.image.window().centre(0, row).y;
+        let (lines, _) = self.warp.shape();
+        knots.clear();
+        knots.extend((0..lines).map(|column| self.warp.knot_across(y, column)));
+        let line = Line {
+            samples: self.image.samples(),
+            start: row * self.image.width() * channels,
+            stride: channels,
+            count: self.image.width(),
+            edge: self.edge,
+        };
+        let corner = self.image.window().corner().x;
+        let left = self.window.corner().x;
+        let spline = self.warp.spline();
+        let places = Places::new(spline, knots, left, corner);
+        with_channels!(channels, quick_across(line, places, out), {
+            let mut places = places;
+            let mut run = [0.0; RUN + 1];
+            for pixels in out.chunks_mut(RUN * channels) {
+                places.next_run(&mut run);
+                for (pixel, pair) in pixels.chunks_exact_mut(channels).zip(run.windows(2)) {
+                    line.pixel(pair[0], pair[1], pixel);
+                }
+            }
+        });
+    }
+}
+
+/// Where the boundaries between pixels of a row come from, a run at a time.
+#[derive(Clone, Copy)]
+struct Places<'a> {
+    spline: Spline,
+    knots: &'a [Knot],
+    span: Span,
+    /// The boundary at hand, in the result.
+    at: f64,
+    /// What places are counted from.
+    corner: f64,
+}
+
+impl<'a> Places<'a> {
+    fn new(spline: Spline, knots: &'a [Knot], at: f64, corner: f64) -> Self {
+        Self {
+            spline,
+            knots,
+            span: span(spline, knots.len(), |i| knots[i], at),
+            at,
+            corner,
+        }
+    }
+
+    /// The boundary at hand and those of [`RUN`] pixels.
+    #[inline(always)]
+    fn next_run(&mut self, places: &mut [f64; RUN + 1]) {
+        let mut done = 0;
+        while done <= RUN {
+            let at = self.at + done as f64;
+            if !self.span.holds(at) {
+                self.span = span(self.spline, self.knots.len(), |i| self.knots[i], at);
+            }
+            // So many for certain.
+            let more = (self.span.end - at).clamp(1.0, RUN as f64) as usize;
+            let end = (done + more).min(RUN + 1);
+            let numbers = self.span.numbers();
+            for (i, place) in places.iter_mut().enumerate().take(end).skip(done) {
+                *place = evaluate(numbers, self.at + i as f64) - self.corner;
+            }
+            done = end;
+        }
+        self.at += RUN as f64;
+    }
+}
+
+#[inline(always)]
+fn quick_across<const N: usize>(line: Line<'_>, mut places: Places<'_>, out: &mut [f32]) {
+    let (pixels, _) = out.as_chunks_mut::<N>();
+    let mut run = [0.0; RUN + 1];
+    for pixels in pixels.chunks_mut(RUN) {
+        places.next_run(&mut run);
+        let (mut from, mut to) = ([0.0; RUN], [0.0; RUN]);
+        from.copy_from_slice(&run[..RUN]);
+        to.copy_from_slice(&run[1..]);
+        resampling::run::<N>(line, 0, &from, &to, pixels);
+    }
+}
+
+/// The second pass: columns of what the first has drawn become those of the result.
+struct Second<'a> {
+    across: &'a [f32],
+    /// Rows of it.
+    rows: usize,
+    /// Where they begin, in the image's coordinates.
+    top: f64,
+    knots: &'a [Knot],
+    lines: usize,
+    spline: Spline,
+    edge: Edge,
+    width: usize,
+    channels: usize,
+}
+
+/// Where each column of pixels is in its function: the span at hand, and where the boundary above comes from.
+#[derive(Default)]
+struct Cursors {
+    ends: Vec<f64>,
+    numbers: [Vec<f64>; NUMBERS],
+    above: Vec<f64>,
+}
+
+impl Cursors {
+    fn put(&mut self, column: usize, span: &Span) {
+        self.ends[column] = span.end;
+        for (list, number) in self.numbers.iter_mut().zip(span.numbers()) {
+            list[column] = number;
+        }
+    }
+    fn resize(&mut self, width: usize) {
+        for list in self
+            .numbers
+            .iter_mut()
+            .chain([&mut self.ends, &mut self.above])
+        {
+            list.resize(width, 0.0);
+        }
+    }
+}
+
+impl Second<'_> {
+    fn span(&self, column: usize, at: f64) -> Span {
+        let knots = &self.knots[column * self.lines..][..self.lines];
+        span(self.spline, self.lines, |i| knots[i], at)
+    }
+
+    /// The rows of the result from the one that begins at `top` on.
+    fn down(&self, top: f64, cursors: &mut Cursors, out: &mut [f32]) {
+        cursors.resize(self.width);
+        for column in 0..self.width {
+            let span = self.span(column, top);
+            cursors.put(column, &span);
+            cursors.above[column] = span.place(top) - self.top;
+        }
+        let rows = out.chunks_exact_mut(self.width * self.channels);
+        for (row, out) in rows.enumerate() {
+            let below = top + (row + 1) as f64;
+            for column in 0..self.width {
+                if below >= cursors.ends[column] {
+                    cursors.put(column, &self.span(column, below));
+                }
+            }
+            with_channels!(self.channels, quick_down(self, below, cursors, out), {
+                for (column, pixel) in out.chunks_exact_mut(self.channels).enumerate() {
+                    let numbers = std::array::from_fn(|i| cursors.numbers[i][column]);
+                    let place = evaluate(numbers, below) - self.top;
+                    self.line(column).pixel(cursors.above[column], place, pixel);
+                    cursors.above[column] = place;
+                }
+            });
+        }
+    }
+
+    #[inline(always)]
+    fn line(&self, column: usize) -> Line<'_> {
+        Line {
+            samples: self.across,
+            start: column * self.channels,
+            stride: self.width * self.channels,
+            count: self.rows,
+            edge: self.edge,
+        }
+    }
+}
+
+#[inline(always)]
+fn quick_down<const N: usize>(
+    pass: &Second<'_>,
+    below: f64,
+    cursors: &mut Cursors,
     out: &mut [f32],
 ) {
-    let channels = image.channels();
-    let y = image.window().centre(0, row).y;
-    let (lines, _) = warp.shape();
-    knots.clear();
-    knots.extend((0..lines).map(|column| warp.knot_across(y, column)));
-    let line = Line {
-        samples: image.samples(),
-        start: row * image.width() * channels,
-        stride: channels,
-        count: image.width(),
-        edge,
-    };
-    let corner = image.window().corner().x;
-    let left = window.corner().x;
-    let mut here = span(warp.spline(), lines, |i| knots[i], left);
-    let mut before = here.place(left) - corner;
-    for (column, pixel) in out.chunks_exact_mut(channels).enumerate() {
-        let right = left + (column + 1) as f64;
-        if !here.holds(right) {
-            here = span(warp.spline(), lines, |i| knots[i], right);
+    let (pixels, _) = out.as_chunks_mut::<N>();
+    for (number, pixels) in pixels.chunks_mut(RUN).enumerate() {
+        let first = number * RUN;
+        let (mut from, mut to) = ([0.0; RUN], [0.0; RUN]);
+        let count = pixels.len();
+        let numbers: [&[f64]; NUMBERS] =
+            std::array::from_fn(|i| &cursors.numbers[i][first..first + count]);
+        for (i, place) in to.iter_mut().enumerate().take(count) {
+            *place = evaluate(numbers.map(|list| list[i]), below) - pass.top;
         }
-        let place = here.place(right) - corner;
-        line.pixel(before, place, pixel);
-        before = place;
+        let above = &mut cursors.above[first..first + count];
+        from[..count].copy_from_slice(above);
+        above.copy_from_slice(&to[..count]);
+        resampling::run::<N>(pass.line(first), N, &from, &to, pixels);
     }
 }
 
