@@ -75,6 +75,6 @@ struct Readme;
 #[cfg(all(doctest, feature = "recipe"))]
 #[doc = include_str!("../../../docs/adding-a-warp.md")]
 struct AddingAWarp;
-#[cfg(all(doctest, feature = "raster"))]
+#[cfg(all(doctest, feature = "morph"))]
 #[doc = include_str!("../../../docs/images.md")]
 struct Images;

@@ -547,3 +547,67 @@ fn sites_and_runs_agree() {
     assert!(warp.map_points(0, &mut points).is_empty());
     assert_eq!(points, expected);
 }
+
+#[test]
+fn landmarks_of_both_images_coincide_and_the_ends_are_the_images() {
+    let area = window(0, 0, 120, 90);
+    let first = uneven(area, 5, 4, 0.2, 40);
+    let second = uneven(area, 5, 4, 0.2, 41);
+    // A spot at every inner node.
+    let inner: Vec<usize> = (0..20)
+        .filter(|i| (1..4).contains(&(i % 5)) && (1..3).contains(&(i / 5)))
+        .collect();
+    let spots = |grid: &CoordinateGrid| {
+        let mut raster = Raster::new(area, inner.len()).unwrap();
+        for y in 0..90 {
+            for x in 0..120 {
+                let p = area.centre(x, y);
+                for (sample, node) in raster.pixel_mut(x, y).iter_mut().zip(&inner) {
+                    let d = p.distance_squared(grid.nodes()[*node]);
+                    *sample = math::exp(-d / 8.0) as f32;
+                }
+            }
+        }
+        raster
+    };
+    let images = [spots(&first), spots(&second)];
+    let keys = GridKeys::new(vec![first, second], KeyPath::Straight).unwrap();
+    // Straight splines crease at nodes: a spot's centre of mass is then no longer its landmark.
+    for spline in [Spline::CatmullRom, Spline::Monotone] {
+        let mut worst = 0.0_f64;
+        for step in 0..=10 {
+            let between = keys.at(f64::from(step) / 10.0).unwrap();
+            let drawn = [0, 1].map(|key| {
+                let warp = GridWarp::new(&between, &keys.keys()[key], spline).unwrap();
+                two_pass(&images[key], &warp, area, Edge::Clamp).unwrap()
+            });
+            if step == 0 {
+                assert_eq!(bits(&drawn[0]), bits(&images[0]));
+            }
+            if step == 10 {
+                assert_eq!(bits(&drawn[1]), bits(&images[1]));
+            }
+            for (channel, node) in inner.iter().enumerate() {
+                let middles = drawn.each_ref().map(|image| {
+                    let (mut sum, mut mass) = (DVec2::ZERO, 0.0);
+                    for y in 0..90 {
+                        for x in 0..120 {
+                            // The core of the spot, which is what stays round.
+                            let s = f64::from(image.pixel(x, y)[channel]);
+                            let s = s * s * s;
+                            sum += area.centre(x, y) * s;
+                            mass += s;
+                        }
+                    }
+                    sum / mass
+                });
+                let node = between.nodes()[*node];
+                let off = middles[0]
+                    .distance(middles[1])
+                    .max(middles[0].distance(node));
+                worst = worst.max(off).max(middles[1].distance(node));
+            }
+        }
+        assert!(worst < 0.5, "{spline:?}: {worst} pixels");
+    }
+}
