@@ -78,3 +78,6 @@ struct AddingAWarp;
 #[cfg(all(doctest, feature = "morph"))]
 #[doc = include_str!("../../../docs/images.md")]
 struct Images;
+#[cfg(all(doctest, feature = "morph"))]
+#[doc = include_str!("../../../docs/morphs.md")]
+struct Morphs;

@@ -47,6 +47,8 @@ pub struct Built<S: Space> {
     pub marks: Vec<Mark<S>>,
     /// How it is built again with other targets, if its images are linear in them.
     pub refit: Option<Refit<S>>,
+    /// Its features, and how it is built again between others, if it is made of pairs of features.
+    pub features: Option<Features<S>>,
 }
 
 impl<S: Space> Built<S> {
@@ -56,7 +58,15 @@ impl<S: Space> Built<S> {
             warp,
             marks,
             refit: None,
+            features: None,
         }
+    }
+
+    /// The warp as one between features.
+    #[must_use]
+    pub fn between(mut self, features: Features<S>) -> Self {
+        self.features = Some(features);
+        self
     }
 
     /// The warp as one that can be fitted: `targets` features, built again by `with` from a displacement to be added to the target of each.
@@ -83,6 +93,21 @@ pub struct Refit<S: Space> {
     pub targets: usize,
     /// Builds it, from a displacement for each target.
     pub with: Box<WithTargets<S>>,
+}
+
+/// Builds a warp again between source and target features: as many as it has, of as many places each.
+pub type Between<S> =
+    dyn Fn(&[Vec<S>], &[Vec<S>]) -> Result<Box<dyn Warp<S>>, ConstructError> + Send + Sync;
+
+/// The features of a warp, and how it is built again between others of the same kind. A morph asks for them: it moves the features from
+/// source to target, and warps both ends to what is between.
+pub struct Features<S: Space> {
+    /// The places of each source feature: one for a point, two for a line, those of its corners for an element.
+    pub sources: Vec<Vec<S>>,
+    /// The places of each target feature.
+    pub targets: Vec<Vec<S>>,
+    /// Builds the warp between others.
+    pub with: Box<Between<S>>,
 }
 
 /// What a construction may know about the model a recipe is for.

@@ -12,7 +12,9 @@ mod error;
 mod mesh;
 mod parameters;
 
-pub use entry::{Attributes, Built, Context, Entry, FieldEntry, Refit, WarpEntry, WithTargets};
+pub use entry::{
+    Attributes, Between, Built, Context, Entry, Features, FieldEntry, Refit, WarpEntry, WithTargets,
+};
 pub use error::{ConstructError, parse, source_and_target};
 pub use mesh::{FeatureMesh, Meshes};
 pub use parameters::{Along, Angle, Axis, Coordinate, Length, Offset, Place, ScalingMethod};

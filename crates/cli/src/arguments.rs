@@ -20,6 +20,8 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Warp models by a recipe
     Warp(Box<WarpOptions>),
+    /// Turn images into one another, or draw what is between
+    Morph(Box<MorphOptions>),
     /// Evaluate the fields of a recipe on a model once and keep them
     Bind(BindOptions),
     /// Write the motion of a recipe as a table, an animation or a picture
@@ -183,6 +185,115 @@ pub(crate) struct ImageOptions {
     /// Read images that have far more pixels than the size of their file accounts for
     #[arg(long)]
     pub allow_large: bool,
+}
+
+/// Turn images into one another, or draw what is between.
+///
+/// Features stand on each image: those of a recipe (sources on the first image, targets on the second), or landmarks. Both images are
+/// drawn with the features half way, or however far, and one dissolves into the other.
+#[derive(Debug, Args)]
+pub(crate) struct MorphOptions {
+    /// Two images or more, or series of them such as clip.%04d.png; a chain goes from each to the next
+    #[arg(required = true, num_args = 2.., value_name = "IMAGE")]
+    pub images: Vec<PathBuf>,
+    /// The recipe of one warp between features, TOML or JSON; for a chain one for each step (-r AB -r BC)
+    #[arg(short, long, value_name = "FILE", conflicts_with = "landmarks")]
+    pub recipe: Vec<PathBuf>,
+    /// Landmarks instead of a recipe: one file for each image, JSON, .pts or .csv
+    #[arg(
+        short,
+        long,
+        value_name = "FILE",
+        num_args = 2..,
+        required_unless_present = "recipe"
+    )]
+    pub landmarks: Vec<PathBuf>,
+    /// The warp between landmarks: thin-plate, lines, points, radial or multilevel; thin-plate if left out
+    #[arg(long, value_name = "KIND", requires = "landmarks")]
+    pub method: Option<String>,
+    /// Where the result goes: numbered images (out.%04d.png, out.####.exr), a film (.gif, .apng, .y4m), with --at one image; `-` is a
+    /// y4m film on standard output, for an encoder
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Frames of the whole; as many as the longest series has if left out, or 25 for each step
+    #[arg(long, value_name = "N", help_heading = "Time")]
+    pub frames: Option<usize>,
+    /// One image of what is between, at a time from 0 (the first image) to 1 (the last)
+    #[arg(long, value_name = "TIME", conflicts_with_all = ["frames", "range", "start", "fps"], value_parser = parse_time, help_heading = "Time")]
+    pub at: Option<f64>,
+    /// The number of the first frame
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value = "1",
+        help_heading = "Time",
+        allow_hyphen_values = true
+    )]
+    pub start: i64,
+    /// Write only these frames, by their numbers
+    #[arg(long, value_name = "A-B", value_parser = parse_range, help_heading = "Time")]
+    pub range: Option<(i64, i64)>,
+    /// Frames a second of a film; 24 if left out
+    #[arg(long, value_name = "N", value_parser = parse_rate, allow_hyphen_values = true, help_heading = "Time")]
+    pub fps: Option<f64>,
+    /// How the shape goes over: an ease (`anamorph list eases`) for features without a schedule of their own
+    #[arg(long, value_name = "EASE", help_heading = "Time")]
+    pub ease: Option<String>,
+    /// How the colours go over: an ease; with the shape if left out
+    #[arg(long, value_name = "EASE", help_heading = "Time")]
+    pub dissolve: Option<String>,
+    /// How images of another size than the first come to lie on it, with their features
+    #[arg(long, value_name = "HOW")]
+    pub fit: Option<FitName>,
+    /// Change a value of the recipes, such as `warp.0.p=0.5`
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub set: Vec<String>,
+    /// Draw the features on the frames
+    #[arg(long)]
+    pub draw_features: bool,
+    /// Write a report as JSON: frames, features, how good the maps are
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// How pixels are read between their centres: nearest, bilinear, catmull-rom, mitchell, lanczos or anisotropic, which is the
+    /// default and does not alias where an image shrinks
+    #[arg(long, value_name = "FILTER", help_heading = "Images")]
+    pub filter: Option<String>,
+    /// What stands beyond the pixels: clamp, wrap, mirror or transparent; transparent if left out for images with alpha or a data window
+    /// of their own, else clamp
+    #[arg(long, value_name = "EDGE", help_heading = "Images")]
+    pub edge: Option<String>,
+    /// How far the place that a pixel is read from may be off, in pixels; 0 evaluates the warp at every pixel. 0.05 if left out
+    #[arg(long, value_name = "PIXELS", value_parser = parse_pixels, allow_hyphen_values = true, help_heading = "Images")]
+    pub max_error: Option<f64>,
+    /// Quality of JPEG files, 1 to 100; 95 if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "Images")]
+    pub quality: Option<u8>,
+    /// Read images that have far more pixels than the size of their file accounts for
+    #[arg(long, help_heading = "Images")]
+    pub allow_large: bool,
+    /// Threads to use, 1 to 1024; as many as the machine has if left out. Results do not depend on it
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    pub threads: Option<usize>,
+    /// Read files that lie outside of the folder of the file that names them
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Replace files that exist
+    #[arg(short, long)]
+    pub force: bool,
+}
+
+/// How an image comes to lie on one of another size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FitName {
+    /// Its width and height each
+    Stretch,
+    /// As large as it can be without being cut
+    Contain,
+    /// As small as it can be without a border
+    Cover,
 }
 
 impl WarpOptions {

@@ -33,6 +33,15 @@ impl Failure {
         Self::Usage(message.to_string())
     }
 
+    /// A failure of writing to a file or to standard output while it grows.
+    pub(crate) fn written(path: &std::path::Path, error: &std::io::Error) -> Self {
+        if crate::files::is_stream(path) {
+            return output(error);
+        }
+        let mend = crate::files::mend(error.kind());
+        Self::new(format!("{}: cannot write: {error}{mend}", path.display()))
+    }
+
     /// Says why on standard error.
     pub(crate) fn print(&self) {
         match self {

@@ -4,6 +4,7 @@ use crate::error::Failure;
 use crate::files;
 use anamorph_catalog::{FeatureMesh, Meshes};
 use anamorph_core::glam::DVec3;
+use anamorph_io::landmarks::Landmarks;
 use anamorph_io::{Points, ReadOptions, drawings};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -97,6 +98,15 @@ impl RecipeFiles {
 fn parsed(name: &str, bytes: Vec<u8>) -> Read {
     if name.to_ascii_lowercase().ends_with(".svg") || drawings::is_svg(&bytes) {
         return drawing(name, &bytes);
+    }
+    if Landmarks::are(&bytes) {
+        let landmarks = Landmarks::read(&bytes).map_err(|error| format!("{name}: {error}"))?;
+        return Ok(Arc::new(FeatureMesh {
+            dimension: 2,
+            points: landmarks.points.iter().map(|p| p.extend(0.0)).collect(),
+            lines: landmarks.lines,
+            ..FeatureMesh::default()
+        }));
     }
     let comments = comments(&bytes);
     let document = anamorph_io::read(bytes, Some(name), &ReadOptions::default())

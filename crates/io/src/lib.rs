@@ -39,6 +39,8 @@ mod geometry;
 #[cfg(feature = "images")]
 pub mod images;
 mod inspect;
+#[cfg(feature = "landmarks")]
+pub mod landmarks;
 mod normals;
 mod number;
 mod patch;

@@ -15,6 +15,18 @@ pub enum PreviewError {
         /// How many points the model has.
         points: usize,
     },
+    /// Pixels that do not make the picture they are said to be.
+    #[error(
+        "{bytes} bytes are no picture of {width} × {height} pixels of four bytes each; give as many as it has"
+    )]
+    Pixels {
+        /// How many bytes there are.
+        bytes: usize,
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+    },
     /// A drawing without pixels, or with too many.
     #[error(
         "a drawing of {width} × {height} pixels cannot be made; width and height go from 1 to {most} pixels"

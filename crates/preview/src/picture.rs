@@ -34,6 +34,26 @@ impl Picture {
         }
     }
 
+    /// A picture from pixels, row by row from the top, four bytes each: red, green, blue (sRGB), and 255.
+    ///
+    /// # Errors
+    /// [`PreviewError::Pixels`] if there are more or fewer than width and height say, or none.
+    pub fn opaque(pixels: Vec<u8>, width: u32, height: u32) -> Result<Self, PreviewError> {
+        let wanted = u64::from(width) * u64::from(height) * 4;
+        if wanted == 0 || pixels.len() as u64 != wanted {
+            return Err(PreviewError::Pixels {
+                bytes: pixels.len(),
+                width,
+                height,
+            });
+        }
+        Ok(Self {
+            pixels,
+            width,
+            height,
+        })
+    }
+
     /// The pixels, row by row from the top, four bytes each (red, green, blue, opacity; sRGB; opacity is always 255),
     /// with the width and the height.
     #[must_use]

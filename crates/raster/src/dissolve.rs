@@ -15,6 +15,16 @@ const TASK: usize = 1 << 16;
 /// [`RasterError::Windows`], [`RasterError::Channels`] where the two differ; [`RasterError::OutOfRange`] for `t` outside
 /// [0, 1].
 pub fn cross_dissolve(first: &Raster, second: &Raster, t: f64) -> Result<Raster, RasterError> {
+    let mut mixed = first.clone();
+    dissolve_into(&mut mixed, second, t)?;
+    Ok(mixed)
+}
+
+/// As [`cross_dissolve`], in the memory of the first.
+///
+/// # Errors
+/// As of [`cross_dissolve`]; then the first is as it was.
+pub fn dissolve_into(first: &mut Raster, second: &Raster, t: f64) -> Result<(), RasterError> {
     first.check_alike(second)?;
     if !(0.0..=1.0).contains(&t) {
         return Err(RasterError::OutOfRange {
@@ -23,19 +33,21 @@ pub fn cross_dissolve(first: &Raster, second: &Raster, t: f64) -> Result<Raster,
             range: "from 0 to 1",
         });
     }
-    if t == 1.0 {
-        return Ok(second.clone().with_display(first.display()));
+    if t == 0.0 {
+        return Ok(());
     }
-    let mut mixed = first.clone();
-    if t > 0.0 {
-        let (keep, take) = ((1.0 - t) as f32, t as f32);
-        parallel::chunks(mixed.samples_mut(), TASK, |task, chunk| {
-            for (a, b) in chunk.iter_mut().zip(&second.samples()[task * TASK..]) {
-                *a = *a * keep + b * take;
-            }
-        });
-    }
-    Ok(mixed)
+    let (keep, take) = ((1.0 - t) as f32, t as f32);
+    parallel::chunks(first.samples_mut(), TASK, |task, chunk| {
+        let other = &second.samples()[task * TASK..];
+        if t == 1.0 {
+            chunk.copy_from_slice(&other[..chunk.len()]);
+            return;
+        }
+        for (a, b) in chunk.iter_mut().zip(other) {
+            *a = *a * keep + b * take;
+        }
+    });
+    Ok(())
 }
 
 #[cfg(test)]

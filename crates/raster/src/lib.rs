@@ -43,7 +43,7 @@ pub mod sampling;
 mod splat;
 mod window;
 
-pub use dissolve::cross_dissolve;
+pub use dissolve::{cross_dissolve, dissolve_into};
 pub use error::RasterError;
 pub use hierarchy::{Bound, Hierarchy, HierarchyReport, hierarchical_map, hierarchical_map_into};
 pub use map::PixelMap;

@@ -18,9 +18,10 @@ pub(crate) const SPACES: [&str; 2] = ["world", "local"];
 /// Which way a recipe's warps are applied; the first if it says nothing.
 pub(crate) const MAPPINGS: [&str; 2] = ["forward", "inverse"];
 /// Keys of the recipe itself. Editors write `$schema` into JSON.
-const ROOT_KEYS: [&str; 10] = [
+const ROOT_KEYS: [&str; 11] = [
     "version",
     "warp",
+    "grid",
     "track",
     "time",
     "motion",
@@ -42,6 +43,13 @@ impl Recipe {
     ///
     /// All problems found, in the order of the file.
     pub fn check_keys<S: Space>(&self, registry: &Registry<S>) -> Result<(), RecipeError> {
+        let mut problems = self.key_problems(registry);
+        problems.extend(self.grid_problem());
+        RecipeError::of(&self.source.name, problems).map_or(Ok(()), Err)
+    }
+
+    /// What is wrong with the keys, but for those of a coordinate grid.
+    pub(crate) fn key_problems<S: Space>(&self, registry: &Registry<S>) -> Vec<Problem> {
         let mut problems = Vec::new();
         problems.extend(self.version_problem());
         self.check_root(&mut problems);
@@ -52,7 +60,7 @@ impl Recipe {
         for (i, table) in self.warp_tables(&mut problems) {
             self.check_warp(i, table, registry, &mut schemas, &mut problems);
         }
-        RecipeError::of(&self.source.name, problems).map_or(Ok(()), Err)
+        problems
     }
 
     /// What is wrong with `version`, if anything.
@@ -95,7 +103,7 @@ impl Recipe {
                 begin,
             ));
         } else {
-            let known: Vec<String> = ROOT_KEYS[..9].iter().map(|&key| key.to_owned()).collect();
+            let known: Vec<String> = ROOT_KEYS[..10].iter().map(|&key| key.to_owned()).collect();
             for key in self
                 .tree
                 .keys()

@@ -153,7 +153,7 @@ impl Recipe {
     }
 
     /// A plug-in's error at its place in the file, in plain words.
-    fn located<S: Space>(
+    pub(crate) fn located<S: Space>(
         &self,
         path: &str,
         error: ConstructError,
@@ -227,7 +227,7 @@ fn is_relative(table: &Map<String, Value>) -> bool {
 }
 
 /// The warp of a table with its fields, and its mask. Paths of errors are relative to the table.
-fn construct<S: Space>(
+pub(crate) fn construct<S: Space>(
     entry: &WarpEntry<S>,
     registry: &Registry<S>,
     table: &Map<String, Value>,

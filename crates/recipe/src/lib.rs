@@ -28,6 +28,7 @@ mod error;
 mod fit;
 mod json;
 mod keys;
+mod morph;
 mod motion;
 mod names;
 mod recipe;
@@ -41,6 +42,7 @@ mod words;
 
 pub use construct::{BoundsAfter, BuiltPart, BuiltRecipe};
 pub use error::{Place, Problem, RecipeError};
+pub use morph::{MorphFeatures, MorphWay};
 pub use motion::{
     Attitude, BuiltMotion, KEYED, KeyedOrientation, SMOOTHINGS, SmoothingEntry, Subject,
 };

@@ -6,6 +6,7 @@
 use crate::Registry;
 use crate::check::{MAPPINGS, SCALING, SPACES};
 use crate::fit::FitParameters;
+use crate::morph::{PATHS, grid_schema};
 use crate::time::WAYS;
 use anamorph_catalog::schemars::generate::SchemaSettings;
 use anamorph_catalog::schemars::{JsonSchema, SchemaGenerator};
@@ -38,6 +39,7 @@ pub fn schema(plane: &Registry<Plane>, solid: &Registry<Solid>) -> Value {
     describe(plane, &mut generator, &mut kinds);
 
     let fit = Value::from(FitParameters::json_schema(&mut generator));
+    let grid = grid_schema(&mut generator);
     let mut definitions = generator.take_definitions(true);
     let field = unused(&definitions, "field-expression");
     definitions.insert(field.clone(), either(fields));
@@ -89,6 +91,26 @@ pub fn schema(plane: &Registry<Plane>, solid: &Registry<Solid>) -> Value {
                         "default": WAYS[2],
                     },
                     "ease": ease_schema(),
+                    "dissolve": {
+                        "description": "in a morph of images, when colours go over: an ease, or a schedule; with the shape if left out",
+                        "anyOf": [
+                            ease_schema(),
+                            {
+                                "type": "object",
+                                "properties": {
+                                    "start": { "type": "number", "minimum": 0, "maximum": 1, "default": 0 },
+                                    "end": { "type": "number", "minimum": 0, "maximum": 1, "default": 1 },
+                                    "ease": ease_schema(),
+                                },
+                                "additionalProperties": false,
+                            },
+                        ],
+                    },
+                    "path": {
+                        "description": "in a morph of images, how lines and other features of several places go from source to target: each place straight, or the feature turning about its middle",
+                        "enum": PATHS,
+                        "default": PATHS[0],
+                    },
                 },
                 "additionalProperties": false,
             },
@@ -116,6 +138,7 @@ pub fn schema(plane: &Registry<Plane>, solid: &Registry<Solid>) -> Value {
                 "type": "array",
                 "items": item,
             },
+            "grid": grid,
             "motion": motion,
         },
         "required": ["version"],

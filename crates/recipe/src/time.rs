@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// Words of `way`, in the paper's order; the fourth is what tracks of targets do.
 pub(crate) const WAYS: [&str; 3] = ["result", "transformations", "strengths"];
 /// Keys of `[time]`.
-const TIME_KEYS: [&str; 2] = ["way", "ease"];
+const TIME_KEYS: [&str; 4] = ["way", "ease", "dissolve", "path"];
 /// Keys of a `[[track]]`.
 const TRACK_KEYS: [&str; 3] = ["set", "keys", "ease"];
 /// Keys of a `schedule`.
@@ -114,6 +114,7 @@ impl Recipe {
                     self.unknown(table, "time", &TIME_KEYS, problems);
                     self.check_ease(table, "time", problems);
                     self.check_way(table, problems);
+                    self.check_morph(table, problems);
                 }
             }
         }
@@ -160,7 +161,12 @@ impl Recipe {
         }
     }
 
-    fn check_ease(&self, table: &Map<String, Value>, path: &str, problems: &mut Vec<Problem>) {
+    pub(crate) fn check_ease(
+        &self,
+        table: &Map<String, Value>,
+        path: &str,
+        problems: &mut Vec<Problem>,
+    ) {
         let Some(value) = table.get("ease") else {
             return;
         };
@@ -248,7 +254,7 @@ impl Recipe {
         match table.get("set") {
             Some(Value::String(text)) if words(text).iter().all(|word| !word.is_empty()) => {
                 let first = words(text)[0].to_owned();
-                if first != "warp" {
+                if first != "warp" && first != "grid" {
                     let message = format!("{} is not inside of a warp", quoted(text));
                     let hint = "name a value of a warp, such as \"warp.0.angle\"";
                     problems.push(self.problem(&set, Part::Value, message, hint));
@@ -310,7 +316,7 @@ impl Recipe {
         }
     }
 
-    fn check_schedule(
+    pub(crate) fn check_schedule(
         &self,
         path: &str,
         schedule: &Value,
@@ -449,7 +455,7 @@ impl Recipe {
 }
 
 /// The ease that a recipe names; none is linear.
-fn ease(value: Option<&Value>) -> Result<Box<dyn Ease>, String> {
+pub(crate) fn ease(value: Option<&Value>) -> Result<Box<dyn Ease>, String> {
     match value {
         None => Ok(Box::new(eases::Linear)),
         Some(Value::String(text)) => eases::parse(text).map_err(|error| error.to_string()),

@@ -37,26 +37,40 @@ impl Frames {
         let Some(count) = options.frames else {
             return Ok(None);
         };
+        Self::new(count, options.start, options.range, options.fps).map(Some)
+    }
+
+    /// So many frames from a first number on, those of a range, at a rate.
+    pub(crate) fn new(
+        count: usize,
+        first: i64,
+        range: Option<(i64, i64)>,
+        fps: Option<f64>,
+    ) -> Result<Self, Failure> {
         if !(2..=MOST_FRAMES).contains(&count) {
             return Err(Failure::usage(format!(
                 "--frames: write a number from 2 to {MOST_FRAMES}"
             )));
         }
-        let first = options.start;
-        let last = first + i64::try_from(count).unwrap_or(i64::MAX) - 1;
-        let range = options.range.unwrap_or((first, last));
+        let span = i64::try_from(count).unwrap_or(i64::MAX) - 1;
+        let last = first.checked_add(span).ok_or_else(|| {
+            Failure::usage(format!(
+                "--start {first}: the numbers of the frames are too large"
+            ))
+        })?;
+        let range = range.unwrap_or((first, last));
         if range.0 < first || range.1 > last || range.1 < range.0 {
             return Err(Failure::usage(format!(
                 "--range {}-{}: the frames are {first} to {last}",
                 range.0, range.1
             )));
         }
-        Ok(Some(Self {
+        Ok(Self {
             count,
             first,
             range,
-            fps: options.fps,
-        }))
+            fps,
+        })
     }
 
     /// Frames a second.
@@ -119,28 +133,54 @@ pub(crate) struct Pattern {
 impl Pattern {
     /// The pattern in a path's file name; `what` is the option that the path was given by.
     pub(crate) fn of(path: &Path, what: &str) -> Result<Self, Failure> {
-        let name = path
-            .file_name()
-            .map(|name| name.to_string_lossy().into_owned())
-            .unwrap_or_default();
-        let found = Self::signs(&name);
-        let Some((from, to, digits)) = found else {
+        Self::find(path).ok_or_else(|| {
             let or = if what == "--output" {
                 "; or name a .glb, for one file with an animation"
             } else {
                 ""
             };
-            return Err(Failure::usage(format!(
+            Failure::usage(format!(
                 "{what} {}: say where the frame's number goes, as in out.%04d.obj or out.####.obj{or}",
                 path.display()
-            )));
-        };
+            ))
+        })
+    }
+
+    /// The pattern in a path's file name, if there is one.
+    pub(crate) fn find(path: &Path) -> Option<Self> {
+        let name = path.file_name()?.to_string_lossy();
+        let (from, to, digits) = Self::signs(&name)?;
         let folder = path.with_file_name("");
-        Ok(Self {
+        Some(Self {
             before: format!("{}{}", folder.display(), &name[..from]),
             digits,
             after: name[to..].to_owned(),
         })
+    }
+
+    /// The numbers of the files that are there, in order.
+    pub(crate) fn existing(&self) -> std::io::Result<Vec<i64>> {
+        let (folder, stem) = match self.before.rfind(std::path::is_separator) {
+            Some(at) => self.before.split_at(at + 1),
+            None => (".", self.before.as_str()),
+        };
+        let mut numbers = Vec::new();
+        for entry in std::fs::read_dir(folder)? {
+            let name = entry?.file_name().to_string_lossy().into_owned();
+            let middle = name.strip_prefix(stem);
+            let middle = middle.and_then(|rest| rest.strip_suffix(&self.after));
+            let number = middle.and_then(|digits| digits.parse::<i64>().ok());
+            // Of 7 and 007 that which the pattern writes.
+            let is_own = |&n: &i64| {
+                self.path(n)
+                    .file_name()
+                    .is_some_and(|own| own == name.as_str())
+            };
+            numbers.extend(number.filter(is_own));
+        }
+        numbers.sort_unstable();
+        numbers.dedup();
+        Ok(numbers)
     }
 
     /// Whether a path names one GLB, which all frames go into.

@@ -1,5 +1,6 @@
 //! One module a command.
 
+mod animation;
 pub(crate) mod bind;
 pub(crate) mod cage;
 pub(crate) mod check;

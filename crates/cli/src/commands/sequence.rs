@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 /// Whether a result is there and holds something.
-fn is_finished(path: &Path) -> bool {
+pub(super) fn is_finished(path: &Path) -> bool {
     path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0)
 }
 
@@ -53,7 +53,7 @@ fn refuse_inputs(
 }
 
 /// What a series of frames was made from.
-struct Record(Value);
+pub(super) struct Record(pub(super) Value);
 
 impl Record {
     fn of(document: &dyn Document, run: &Run<'_>, frames: &Frames) -> Self {
@@ -72,7 +72,7 @@ impl Record {
     }
 
     /// Whether the record that is there says the same; frames that exist and are not of this making are refused.
-    fn check(
+    pub(super) fn check(
         &self,
         path: &Path,
         force: bool,
@@ -109,7 +109,7 @@ impl Record {
         }
     }
 
-    fn write(&self, path: &Path) -> Result<(), Failure> {
+    pub(super) fn write(&self, path: &Path) -> Result<(), Failure> {
         let mut file = Pending::create(path, true)?;
         let text = serde_json::to_string_pretty(&self.0).map_err(Failure::new)?;
         file.fill(|out| writeln!(out, "{text}"))?;

@@ -1,10 +1,10 @@
 //! `anamorph warp`: models in, a recipe, warped models out.
 
+use super::animation;
 use super::bind::bound_stack;
 use super::frames::{self, Frames, Pattern};
 use super::image;
 use super::jobs::{Job, is_folder, jobs};
-use super::morph;
 use super::promises::{fold, promises, to_json};
 use super::sequence::warp_frames;
 use super::undone::Undone;
@@ -82,7 +82,7 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     let mut made = Vec::new();
     let result = pool.install(|| match &frames {
         Some(frames) if Pattern::is_animation(&jobs[0].output) => {
-            morph::animate(&jobs[0], &run, frames)
+            animation::animate(&jobs[0], &run, frames)
         }
         Some(frames) => warp_frames(&jobs[0], &run, frames),
         None => warp_all(&jobs, &run, &mut made),

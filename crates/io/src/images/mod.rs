@@ -19,12 +19,15 @@ mod codes;
 mod convert;
 mod error;
 mod openexr;
+mod y4m;
 
 pub use channel::{Channel, ChannelKind, SampleType};
 pub use error::ImageError;
+pub use y4m::Y4m;
 
 use crate::Lost;
 use anamorph_raster::{Raster, Window};
+use std::borrow::Cow;
 
 /// A format of images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -244,6 +247,42 @@ impl ImageFile {
     /// Whether any layer has alpha.
     pub fn has_alpha(&self) -> bool {
         self.layers.iter().any(ImageLayer::has_alpha)
+    }
+
+    /// Everything but the pixels: to be given others.
+    #[must_use]
+    pub fn without_pixels(&self) -> Self {
+        let empty = |layer: &ImageLayer| ImageLayer {
+            name: layer.name.clone(),
+            channels: layer.channels.clone(),
+            raster: None,
+            identifiers: None,
+        };
+        Self {
+            format: self.format,
+            display: self.display,
+            layers: self.layers.iter().map(empty).collect(),
+            notes: self.notes.clone(),
+            kept: self.kept.clone(),
+        }
+    }
+
+    /// What is seen: the colours within the display window as grey, grey and alpha, RGB, or RGB and alpha, by the number of channels;
+    /// linear light, premultiplied.
+    ///
+    /// # Errors
+    /// [`ImageError::NoColour`] for data without colours.
+    pub fn colours(&self) -> Result<Cow<'_, Raster>, ImageError> {
+        let only = self.layers.first().and_then(|layer| layer.raster.as_ref());
+        if let (Kept::Codes(_), Some(raster)) = (&self.kept, only) {
+            return Ok(Cow::Borrowed(raster));
+        }
+        let (mut image, _, _) = convert::to_codes(self, false)?;
+        let raster = image.layers.pop().and_then(|layer| layer.raster);
+        raster.map(Cow::Owned).ok_or(ImageError::Empty {
+            width: 0,
+            height: 0,
+        })
     }
 
     /// The file in its own format, or converted to another; with what it cannot hold there. Formats without a display window

@@ -10,10 +10,10 @@ use crate::cages::{Feature, load};
 use crate::lattices::frame_pairs;
 use anamorph_catalog::schemars::JsonSchema;
 use anamorph_catalog::{
-    Angle, Axis, Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse,
-    schemars, source_and_target,
+    Angle, Axis, Between, Built, ConstructError, Context, Features, Length, Offset, Place, Value,
+    WarpEntry, parse, schemars, source_and_target,
 };
-use anamorph_core::{Linear, Scaling, Space};
+use anamorph_core::{Linear, Scaling, Space, Warp};
 use anamorph_features::{Frame, FramePair, PointPair};
 use anamorph_fields::recipe::FalloffName;
 use anamorph_transforms::Rotational;
@@ -119,6 +119,25 @@ pub(crate) fn target<S: Space>(
     }
 }
 
+/// The pairs of features that are points.
+pub(crate) fn point_pairs<S: Space>(sources: &[Vec<S>], targets: &[Vec<S>]) -> Vec<PointPair<S>> {
+    let each = sources.iter().flatten().zip(targets.iter().flatten());
+    each.map(|(&source, &target)| PointPair { source, target })
+        .collect()
+}
+
+/// Pairs of points as features of a warp.
+pub(crate) fn point_features<'a, S: Space>(
+    pairs: impl Iterator<Item = &'a PointPair<S>> + Clone,
+    with: Box<Between<S>>,
+) -> Features<S> {
+    Features {
+        sources: pairs.clone().map(|pair| vec![pair.source]).collect(),
+        targets: pairs.map(|pair| vec![pair.target]).collect(),
+        with,
+    }
+}
+
 /// One source point and where it goes.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -186,6 +205,14 @@ pub(crate) fn points<S: Space>() -> WarpEntry<S> {
             ));
         }
         let count = pairs.len();
+        let reaches: Vec<Reach> = pairs.iter().map(|(_, reach)| *reach).collect();
+        let with = move |sources: &[Vec<S>], targets: &[Vec<S>]| {
+            let pairs = point_pairs(sources, targets).into_iter();
+            let warp = PointWarp::construct(pairs.zip(reaches.iter().copied()).collect())
+                .map_err(|error| located("point", from_files, &error))?;
+            Ok(Box::new(warp) as Box<dyn Warp<S>>)
+        };
+        let features = point_features(pairs.iter().map(|(pair, _)| pair), Box::new(with));
         let built = move |changes: &[S]| {
             let mut pairs = pairs.clone();
             for ((pair, _), change) in pairs.iter_mut().zip(changes) {
@@ -195,7 +222,9 @@ pub(crate) fn points<S: Space>() -> WarpEntry<S> {
                 .map_err(|error| located("point", from_files, &error))?;
             Ok(Built::new(warp.marks(), Box::new(warp)))
         };
-        Ok(built(&vec![S::ZERO; count])?.fitted_by(count, built))
+        Ok(built(&vec![S::ZERO; count])?
+            .fitted_by(count, built)
+            .between(features))
     }
     WarpEntry {
         kind: "points",

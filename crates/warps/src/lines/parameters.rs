@@ -8,10 +8,10 @@ use super::{ElementError, WeightConstants, global, local};
 use crate::cages::expect_in_space;
 use anamorph_catalog::schemars::JsonSchema;
 use anamorph_catalog::{
-    Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse, schemars,
-    source_and_target,
+    Built, ConstructError, Context, Features, Length, Offset, Place, Value, WarpEntry, parse,
+    schemars, source_and_target,
 };
-use anamorph_core::{Plane, Scaling, Space};
+use anamorph_core::{Plane, Scaling, Space, Warp};
 use anamorph_features::ElementPair;
 use anamorph_transforms::Rotational;
 use serde::Deserialize;
@@ -248,14 +248,53 @@ fn located(list: &str, filed: usize, error: &ElementError) -> ConstructError {
     ConstructError::new(format!("{list}.{number}{key}"), message)
 }
 
+/// Constructs a warp of pairs with their constants.
+type Construct<S> =
+    fn(&[(ElementPair<S>, WeightConstants)], Scaling) -> Result<ElementWarp<S>, ElementError>;
+
+/// The warp of pairs from `filed` ones of files and those of the list called `list`.
+fn built<S: Rotational>(
+    list: &'static str,
+    filed: usize,
+    all: &[(ElementPair<S>, WeightConstants)],
+    scaling: Scaling,
+    construct: Construct<S>,
+) -> Result<Built<S>, ConstructError> {
+    let warp = construct(all, scaling).map_err(|error| located(list, filed, &error))?;
+    let constants: Vec<WeightConstants> = all.iter().map(|(_, constants)| *constants).collect();
+    let with = move |sources: &[Vec<S>], targets: &[Vec<S>]| {
+        let pairs = sources.iter().zip(targets).zip(&constants).enumerate();
+        let pairs = pairs.map(|(number, ((source, target), constants))| {
+            let pair = ElementPair::of_corners(source, target);
+            let pair = pair.map_err(|error| {
+                located(
+                    list,
+                    filed,
+                    &ElementError::Feature {
+                        feature: number,
+                        error,
+                    },
+                )
+            })?;
+            Ok((pair, *constants))
+        });
+        let pairs = pairs.collect::<Result<Vec<_>, ConstructError>>()?;
+        let warp = construct(&pairs, scaling).map_err(|error| located(list, filed, &error))?;
+        Ok(Box::new(warp) as Box<dyn Warp<S>>)
+    };
+    let features = Features {
+        sources: all.iter().map(|(pair, _)| pair.source.corners()).collect(),
+        targets: all.iter().map(|(pair, _)| pair.target.corners()).collect(),
+        with: Box::new(with),
+    };
+    Ok(Built::new(warp.marks(), Box::new(warp)).between(features))
+}
+
 /// Builds one of the two warps by lines.
 fn lines(
     value: &Value,
     context: &Context<'_, Plane>,
-    construct: impl Fn(
-        &[(ElementPair<Plane>, WeightConstants)],
-        Scaling,
-    ) -> Result<ElementWarp<Plane>, ElementError>,
+    construct: Construct<Plane>,
 ) -> Result<Built<Plane>, ConstructError> {
     let p: LinesParameters = parse(value)?;
     let common = (p.a, p.b, p.p);
@@ -287,8 +326,7 @@ fn lines(
         ));
     }
     let scaling = context.scaling.unwrap_or(Scaling::Displacement);
-    let warp = construct(&all, scaling).map_err(|error| located("line", filed, &error))?;
-    Ok(Built::new(warp.marks(), Box::new(warp)))
+    built("line", filed, &all, scaling, construct)
 }
 
 /// The registry entry of the feature lines.
@@ -351,9 +389,7 @@ pub(crate) fn elements<S: Rotational>() -> WarpEntry<S> {
             );
         }
         let scaling = context.scaling.unwrap_or(Scaling::Displacement);
-        let warp = ElementWarp::construct(&all, scaling)
-            .map_err(|error| located("element", filed, &error))?;
-        Ok(Built::new(warp.marks(), Box::new(warp)))
+        built("element", filed, &all, scaling, ElementWarp::construct)
     }
     WarpEntry {
         kind: "elements",

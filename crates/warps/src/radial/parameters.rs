@@ -4,12 +4,12 @@
 //! §3.2).
 
 use super::{Kernel, RadialError, RadialWarp};
-use crate::features::parameters::{Files, target};
+use crate::features::parameters::{Files, point_features, point_pairs, target};
 use anamorph_catalog::schemars::JsonSchema;
 use anamorph_catalog::{
     Built, ConstructError, Context, Length, Offset, Place, Value, WarpEntry, parse, schemars,
 };
-use anamorph_core::Space;
+use anamorph_core::{Space, Warp};
 use anamorph_features::PointPair;
 use serde::Deserialize;
 
@@ -185,9 +185,18 @@ fn built<S: Space>(
     affine: bool,
     smoothing: Option<f64>,
 ) -> Result<Built<S>, ConstructError> {
-    let warp = RadialWarp::construct(pairs, kernel, affine, smoothing.unwrap_or(0.0))
-        .map_err(|error| located(from_files, &error))?;
-    Ok(Built::new(warp.marks(), Box::new(warp)))
+    let smoothing = smoothing.unwrap_or(0.0);
+    let construct = move |pairs: Vec<PointPair<S>>| {
+        RadialWarp::construct(pairs, kernel, affine, smoothing)
+            .map_err(|error| located(from_files, &error))
+    };
+    let with = move |sources: &[Vec<S>], targets: &[Vec<S>]| {
+        let warp = construct(point_pairs(sources, targets))?;
+        Ok(Box::new(warp) as Box<dyn Warp<S>>)
+    };
+    let features = point_features(pairs.iter(), Box::new(with));
+    let warp = construct(pairs)?;
+    Ok(Built::new(warp.marks(), Box::new(warp)).between(features))
 }
 
 /// The registry entry of radial basis functions.

@@ -1,0 +1,446 @@
+//! `anamorph morph`: images become one another, frame by frame.
+//!
+//! Each step of a chain has its features; a frame is drawn from the two images it lies between. Images and series are read when they are
+//! needed: three pictures and the frame are in memory, however long the film is.
+
+mod film;
+mod overlay;
+mod sources;
+mod steps;
+
+use super::frames::{Frame, Frames};
+use crate::arguments::{FitName, MorphOptions};
+use crate::error::{Failure, say};
+use crate::files::{self, Pending, short};
+use crate::progress::Progress;
+use anamorph_io::Lost;
+use anamorph_io::images::{EncodeOptions, ImageFile, ImageFormat};
+use anamorph_morph::images::{Accuracy, Back, Drawing, Mixer};
+use anamorph_raster::{Edge, Filter, Hierarchy, Raster, Window};
+use film::Output;
+use serde_json::{Value, json};
+use sources::{Image, Source};
+use std::path::PathBuf;
+use steps::{Lie, Step, Way};
+
+/// Frames of a step if nothing is said.
+const FRAMES: usize = 25;
+
+/// Morphs what the arguments name.
+pub(crate) fn run(options: &MorphOptions) -> Result<(), Failure> {
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(threads) = options.threads {
+        pool = pool.num_threads(threads);
+    }
+    let pool = pool
+        .build()
+        .map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
+    pool.install(|| Morph::prepare(options)?.write())
+}
+
+/// Everything that is known before the first frame.
+struct Morph<'a> {
+    options: &'a MorphOptions,
+    sources: Vec<Source>,
+    steps: Vec<Step>,
+    lies: Vec<Lie>,
+    /// Features of each step, in words.
+    features: Vec<String>,
+    frames: Option<Frames>,
+    output: Output,
+    filter: Filter,
+    /// The first picture of the first source: its form is that of the result.
+    template: ImageFile,
+    /// Pixels of each layer in the result, and what stands beyond.
+    layers: Vec<Layer>,
+}
+
+/// A layer of the result.
+#[derive(Clone, Copy)]
+struct Layer {
+    window: Window,
+    channels: usize,
+    edge: Edge,
+}
+
+/// The pictures that the last frames were made of, by source and number.
+struct Known {
+    images: Vec<(usize, usize, Image)>,
+}
+
+impl<'a> Morph<'a> {
+    fn prepare(options: &'a MorphOptions) -> Result<Self, Failure> {
+        files::at_most_one_stream(options.images.iter().chain(&options.recipe))?;
+        if options.images.iter().any(|path| files::is_stream(path)) {
+            return Err(Failure::usage(
+                "images of a morph are read when they are needed; name files",
+            ));
+        }
+        let named = |name: &Option<String>| name.as_deref().map(Filter::by_name).transpose();
+        let filter = named(&options.filter)
+            .map_err(|error| Failure::usage(format!("--filter: {error}")))?
+            .unwrap_or(Filter::ANISOTROPIC);
+        let edge = options.edge.as_deref().map(Edge::by_name).transpose();
+        let edge = edge.map_err(|error| Failure::usage(format!("--edge: {error}")))?;
+        let output = Output::of(options)?;
+        let source = |path: &PathBuf| Source::of(path, options.allow_large);
+        let sources: Vec<Source> = options
+            .images
+            .iter()
+            .map(source)
+            .collect::<Result<_, _>>()?;
+        let mut steps = steps::steps(options, sources.len())?;
+        let frames = Self::frames(options, &sources)?;
+        output.check(options, frames.as_ref(), &inputs(options, &sources))?;
+
+        let first = sources[0].read(0)?;
+        let frame = first.display();
+        let mut lies = vec![Lie::of(frame, frame, None, &first.name)?];
+        let mut open: Vec<bool> = (0..first.file.layers().len())
+            .map(|i| first.is_open(i))
+            .collect();
+        let mut windows: Vec<Option<Window>> = first
+            .file
+            .layers()
+            .iter()
+            .map(anamorph_io::images::ImageLayer::window)
+            .collect();
+        for source in &sources[1..] {
+            let image = source.read(0)?;
+            image.check_like(&first)?;
+            let lie = Lie::of(image.display(), frame, options.fit, &image.name)?;
+            for (i, (open, window)) in open.iter_mut().zip(&mut windows).enumerate() {
+                *open |= image.is_open(i) || options.fit == Some(FitName::Contain);
+                let own = image.file.layers()[i].window();
+                *window = match (*window, own.filter(|_| lie.is_own())) {
+                    (Some(a), Some(b)) => Some(a.union(&b).map_err(Failure::new)?),
+                    (a, b) => a.or(b),
+                };
+            }
+            lies.push(lie);
+        }
+        let mut features = Vec::new();
+        for (step, pair) in steps.iter_mut().zip(lies.windows(2)) {
+            let (title, count) = step.prepare([&pair[0], &pair[1]])?;
+            features.push(format!("{title}, {count} features"));
+            step.beside()
+                .refuse_replacing(options.report.iter().chain([&options.output]))?;
+        }
+        let layer = |((layer, window), open): (
+            (&anamorph_io::images::ImageLayer, Option<Window>),
+            bool,
+        )| Layer {
+            window: window.unwrap_or(frame),
+            channels: layer.raster.as_ref().map_or(0, Raster::channels),
+            edge: edge.unwrap_or(if open { Edge::Transparent } else { Edge::Clamp }),
+        };
+        let layers = first
+            .file
+            .layers()
+            .iter()
+            .zip(windows)
+            .zip(open)
+            .map(layer)
+            .collect();
+        if first
+            .file
+            .layers()
+            .iter()
+            .any(|layer| layer.identifiers.is_some())
+        {
+            return Err(Failure::new(format!(
+                "{}: it has channels of whole numbers, which name things and cannot be mixed; leave them out of the file",
+                first.name
+            )));
+        }
+        Ok(Self {
+            options,
+            sources,
+            steps,
+            lies,
+            features,
+            frames,
+            output,
+            filter,
+            template: first.file.without_pixels(),
+            layers,
+        })
+    }
+
+    fn frames(options: &MorphOptions, sources: &[Source]) -> Result<Option<Frames>, Failure> {
+        if options.at.is_some() {
+            return Ok(None);
+        }
+        let longest = sources.iter().map(Source::count).max().unwrap_or(1);
+        let usual = if longest > 1 {
+            longest
+        } else {
+            FRAMES * (sources.len() - 1)
+        };
+        let count = options.frames.unwrap_or(usual);
+        Frames::new(count, options.start, options.range, options.fps).map(Some)
+    }
+
+    /// All frames, to where they go.
+    fn write(mut self) -> Result<(), Failure> {
+        let output = std::mem::take(&mut self.output);
+        let mut report_file = match &self.options.report {
+            Some(path) => Some(Pending::create(path, self.options.force)?),
+            None => None,
+        };
+        let list: Vec<Frame> = match &self.frames {
+            Some(frames) => frames.all().collect(),
+            None => vec![Frame {
+                number: 0,
+                time: self.options.at.unwrap_or(0.0),
+            }],
+        };
+        let progress = Progress::new("morphing", list.len(), self.options.quiet);
+        let mut mixers = Vec::new();
+        for layer in &self.layers {
+            mixers.push(
+                Mixer::new(layer.window, self.template.display(), layer.channels.max(1))
+                    .map_err(Failure::new)?,
+            );
+        }
+        let mut known = Known { images: Vec::new() };
+        let mut lost = Lost::default();
+        let written = output.write(
+            &self,
+            &list,
+            &mut |frame| {
+                let image = self.draw(frame, &mut mixers, &mut known)?;
+                progress.add(1);
+                Ok(image)
+            },
+            &mut lost,
+        )?;
+        drop(progress);
+        let accuracy =
+            mixers
+                .iter()
+                .map(|mixer| mixer.accuracy)
+                .fold(Accuracy::default(), |a, b| Accuracy {
+                    maps: a.maps + b.maps,
+                    max_error: a.max_error.max(b.max_error),
+                    measured: a.measured.max(b.measured),
+                    estimated: a.estimated || b.estimated,
+                    evaluations: a.evaluations + b.evaluations,
+                    pixels: a.pixels + b.pixels,
+                });
+        if let Some(mut file) = report_file.take() {
+            let text = serde_json::to_string_pretty(&self.report(&list, &accuracy, &lost))
+                .map_err(Failure::new)?;
+            file.fill(|out| writeln!(out, "{text}"))?;
+            files::keep_all([file])?;
+        }
+        if !self.options.quiet {
+            self.summary(&list, written, &accuracy, &lost);
+        }
+        Ok(())
+    }
+
+    /// The frame as an image in the form of the first.
+    fn draw(
+        &self,
+        frame: &Frame,
+        mixers: &mut [Mixer],
+        known: &mut Known,
+    ) -> Result<ImageFile, Failure> {
+        let count = self.steps.len();
+        let along = frame.time * count as f64;
+        // The last frame belongs to the last step.
+        let step = (along.floor() as usize).min(count - 1);
+        let time = along - step as f64;
+        let ends = [step, step + 1];
+        let lies = ends.map(|end| &self.lies[end]);
+        let between = self.steps[step]
+            .between(time, lies)
+            .map_err(|failure| match failure {
+                Failure::Message(text) if self.frames.is_some() => {
+                    Failure::Message(format!("frame {}: {text}", frame.number))
+                }
+                failure => failure,
+            })?;
+        let numbers = ends.map(|end| {
+            let source = &self.sources[end];
+            match &self.frames {
+                Some(frames) => {
+                    source.at(usize::try_from(frame.number - frames.first()).unwrap_or(0))
+                }
+                None => source.at((frame.time * (source.count() - 1) as f64).round() as usize),
+            }
+        });
+        known.images.retain(|(source, number, _)| {
+            ends.iter()
+                .zip(numbers)
+                .any(|(end, wanted)| (*source, *number) == (*end, wanted))
+        });
+        for (end, number) in ends.into_iter().zip(numbers) {
+            if known
+                .images
+                .iter()
+                .any(|(s, n, _)| (*s, *n) == (end, number))
+            {
+                continue;
+            }
+            let image = self.sources[end].read(number)?;
+            self.check(end, &image)?;
+            known.images.push((end, number, image));
+        }
+        let find = |end: usize| known.images.iter().find(|(source, ..)| *source == end);
+        let (Some((.., first)), Some((.., second))) = (find(ends[0]), find(ends[1])) else {
+            return Err(Failure::new("an image of the morph is missing"));
+        };
+        let mut result = self.template.without_pixels();
+        for (number, (layer, mixer)) in self.layers.iter().zip(mixers).enumerate() {
+            let rasters = [first, second].map(|image| image.file.layers()[number].raster.as_ref());
+            let [Some(a), Some(b)] = rasters else {
+                continue;
+            };
+            let back = |end: usize| match &between.ways[end] {
+                Way::Still => Back::Still,
+                Way::Map(map) => Back::Map(map.as_ref()),
+                Way::Grid(warp) => Back::Grid(warp),
+            };
+            let drawing = Drawing {
+                filter: self.filter,
+                edge: layer.edge,
+                max_error: self
+                    .options
+                    .max_error
+                    .unwrap_or(Hierarchy::default().max_error),
+            };
+            let drawn = mixer
+                .draw([(a, back(0)), (b, back(1))], between.dissolve, &drawing)
+                .map_err(Failure::new)?;
+            let mut drawn = drawn.clone();
+            if self.options.draw_features && drawn.channels() <= 4 {
+                overlay::draw(&mut drawn, &between.places);
+            }
+            result.layers_mut()[number].raster = Some(drawn);
+        }
+        Ok(result)
+    }
+
+    /// Refuses a picture of a series that is not like the first.
+    fn check(&self, end: usize, image: &Image) -> Result<(), Failure> {
+        let first = Image {
+            file: self.template.without_pixels(),
+            name: self.sources[0].name().to_owned(),
+        };
+        image.check_like(&first)?;
+        let lie = &self.lies[end];
+        if image.display() != lie.display() {
+            return Err(Failure::new(format!(
+                "{}: it is {} × {} pixels, and the first of its series {} × {}; make them alike",
+                image.name,
+                image.display().width(),
+                image.display().height(),
+                lie.display().width(),
+                lie.display().height()
+            )));
+        }
+        Ok(())
+    }
+
+    /// How images are encoded.
+    fn encoding(&self) -> EncodeOptions {
+        EncodeOptions {
+            quality: self.options.quality.unwrap_or(95),
+            whole: false,
+        }
+    }
+
+    fn report(&self, frames: &[Frame], accuracy: &Accuracy, lost: &Lost) -> Value {
+        let names: Vec<&str> = self.sources.iter().map(Source::name).collect();
+        let display = self.template.display();
+        json!({
+            "anamorph": env!("CARGO_PKG_VERSION"),
+            "images": names,
+            "output": files::shown_output(&self.options.output),
+            "steps": self.features,
+            "size": [display.width(), display.height()],
+            "frames": {
+                "count": frames.len(),
+                "first": frames.first().map(|frame| frame.number),
+                "last": frames.last().map(|frame| frame.number),
+                "times": frames.iter().map(|frame| frame.time).collect::<Vec<_>>(),
+                "fps": self.frames.as_ref().map(Frames::rate),
+            },
+            "filter": self.filter.name(),
+            "map": {
+                "max_error": accuracy.max_error,
+                "kind": if accuracy.estimated { "estimate" } else { "bound" },
+                "measured": accuracy.measured,
+                "evaluations": accuracy.evaluations,
+                "pixels": accuracy.pixels,
+            },
+            "lost": lost.0,
+        })
+    }
+
+    fn summary(&self, frames: &[Frame], written: film::Written, accuracy: &Accuracy, lost: &Lost) {
+        let names: Vec<&str> = self.sources.iter().map(Source::name).collect();
+        let display = self.template.display();
+        say!(
+            "{} -> {}: {}; {} × {} pixels",
+            names.join(", "),
+            files::shown_output(&self.options.output),
+            self.features.join("; "),
+            display.width(),
+            display.height()
+        );
+        if let Some(all) = &self.frames {
+            let kept = written.kept;
+            let rate = all.rate();
+            say!(
+                "  {} frames{}",
+                frames.len(),
+                if written.is_film {
+                    format!(
+                        ", {} seconds at {} a second",
+                        short(frames.len() as f64 / rate),
+                        short(rate)
+                    )
+                } else {
+                    String::new()
+                }
+            );
+            super::frames::kept(kept);
+        }
+        if accuracy.maps > 0 {
+            let promise = if accuracy.estimated {
+                "an estimate"
+            } else {
+                "a bound"
+            };
+            say!(
+                "  filter {}; maps within {} px ({promise}; largest error measured {} px), {} evaluations for {} pixels",
+                self.filter.name(),
+                short(accuracy.max_error),
+                short(accuracy.measured),
+                accuracy.evaluations,
+                accuracy.pixels
+            );
+        }
+        for note in self.template.notes() {
+            say!("  note: {note}");
+        }
+        if !lost.is_empty() {
+            say!("  warning: the result does not hold: {lost}");
+        }
+    }
+}
+
+/// All files that are read.
+fn inputs(options: &MorphOptions, sources: &[Source]) -> Vec<PathBuf> {
+    let pictures = sources.iter().flat_map(|source| source.paths().iter());
+    let others = options.recipe.iter().chain(&options.landmarks);
+    pictures.chain(others).cloned().collect()
+}
+
+/// The format of images that a path names.
+fn image_format(path: &std::path::Path) -> Option<ImageFormat> {
+    ImageFormat::of_extension(path.extension()?.to_str()?)
+}

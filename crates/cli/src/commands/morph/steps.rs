@@ -1,0 +1,329 @@
+//! The steps of a morph, from each image to the next: recipes, their features, and where features are at a time.
+
+use crate::arguments::{FitName, MorphOptions};
+use crate::error::Failure;
+use crate::files;
+use crate::meshes::RecipeFiles;
+use crate::model::ModelSpace;
+use anamorph_catalog::{Context, Value};
+use anamorph_core::glam::{DMat2, DVec2, dvec2};
+use anamorph_core::{Affine, Bounds, Deformation, Plane, Stack};
+use anamorph_morph::grid::{CoordinateGrid, GridWarp, Spline};
+use anamorph_morph::places::{LinePath, between_lines, between_points};
+use anamorph_raster::Window;
+use anamorph_recipe::{MorphFeatures, MorphWay, Recipe};
+use serde_json::json;
+use std::path::Path;
+
+/// From one image to the next.
+pub(super) struct Step {
+    recipe: Recipe,
+    beside: RecipeFiles,
+    /// The features, where they do not depend on the time.
+    still: Option<MorphFeatures<Plane>>,
+}
+
+/// Where an image lies in the frame of the first.
+#[derive(Clone, Copy)]
+pub(super) struct Lie {
+    display: Window,
+    /// From its own pixels to the frame's; none if they are the same.
+    to_frame: Option<Affine<Plane>>,
+}
+
+impl Lie {
+    /// The place of an image of one display window in a frame of another.
+    pub(super) fn of(
+        display: Window,
+        frame: Window,
+        fit: Option<FitName>,
+        name: &str,
+    ) -> Result<Self, Failure> {
+        let size = |w: Window| dvec2(w.width() as f64, w.height() as f64);
+        let (own, wanted) = (size(display), size(frame));
+        if own == wanted && display.corner() == frame.corner() {
+            return Ok(Self {
+                display,
+                to_frame: None,
+            });
+        }
+        let scale = match fit {
+            None if own == wanted => DVec2::ONE,
+            None => {
+                return Err(Failure::new(format!(
+                    "{name}: it is {} × {} pixels, and the first image {} × {}; say how it is to lie on it: --fit stretch, contain \
+                     or cover",
+                    own.x, own.y, wanted.x, wanted.y
+                )));
+            }
+            Some(FitName::Stretch) => wanted / own,
+            Some(FitName::Contain) => DVec2::splat((wanted / own).min_element()),
+            Some(FitName::Cover) => DVec2::splat((wanted / own).max_element()),
+        };
+        let middle = |w: Window, s: DVec2| w.corner() + 0.5 * s;
+        Ok(Self {
+            display,
+            to_frame: Some(Affine {
+                linear: DMat2::from_diagonal(scale),
+                translation: middle(frame, wanted) - scale * middle(display, own),
+            }),
+        })
+    }
+
+    pub(super) fn display(&self) -> Window {
+        self.display
+    }
+
+    /// Whether its own pixels are the frame's.
+    pub(super) fn is_own(&self) -> bool {
+        self.to_frame.is_none()
+    }
+
+    fn place(&self, own: DVec2) -> DVec2 {
+        self.to_frame.map_or(own, |affine| affine.apply(own))
+    }
+
+    /// From the frame's pixels to its own.
+    fn own(&self) -> Option<Affine<Plane>> {
+        let to = self.to_frame?;
+        let linear =
+            DMat2::from_diagonal(dvec2(1.0 / to.linear.x_axis.x, 1.0 / to.linear.y_axis.y));
+        Some(Affine {
+            linear,
+            translation: -(linear * to.translation),
+        })
+    }
+
+    fn bounds(&self) -> Bounds<Plane> {
+        let corner = self.display.corner();
+        let size = dvec2(self.display.width() as f64, self.display.height() as f64);
+        Bounds::new(corner, corner + size)
+    }
+}
+
+/// What leads back to an image.
+pub(super) enum Way {
+    Still,
+    Map(Box<dyn Deformation<Plane>>),
+    Grid(GridWarp),
+}
+
+/// The in-between of a step at a time.
+pub(super) struct Between {
+    /// The features on the in-between, in the frame.
+    pub(super) places: Vec<Vec<DVec2>>,
+    /// How far the colours have gone.
+    pub(super) dissolve: f64,
+    /// Back to either image.
+    pub(super) ways: [Way; 2],
+}
+
+/// The keys by which options change recipes.
+fn put_time(recipe: &mut Recipe, options: &MorphOptions) -> Result<(), Failure> {
+    for (key, value) in [("ease", &options.ease), ("dissolve", &options.dissolve)] {
+        if let Some(name) = value {
+            anamorph_curves::eases::parse(name)
+                .map_err(|error| Failure::usage(format!("--{key}: {error}")))?;
+            let argument = format!("time.{key}={name:?}");
+            recipe.set(&argument).map_err(Failure::new)?;
+        }
+    }
+    for argument in &options.set {
+        recipe.set(argument).map_err(Failure::new)?;
+    }
+    Ok(())
+}
+
+/// A recipe of the features of two files of landmarks.
+fn of_landmarks(source: &Path, target: &Path, method: &str) -> Value {
+    let file = |path: &Path| path.to_string_lossy().into_owned();
+    let mut warp = json!({ "kind": method, "source": file(source), "target": file(target) });
+    if !matches!(method, "lines" | "global-lines" | "elements") {
+        // The border stays, or the image would come off its frame.
+        let places = ["0%", "50%", "100%"];
+        let all = places.iter().flat_map(|x| places.map(|y| [*x, y]));
+        let border = all.filter(|place| *place != ["50%", "50%"]);
+        let pins: Vec<Value> = border.map(|place| json!({ "from": place })).collect();
+        warp["point"] = Value::from(pins);
+    }
+    json!({ "version": 1, "warp": [warp] })
+}
+
+/// The steps between so many images.
+pub(super) fn steps(options: &MorphOptions, images: usize) -> Result<Vec<Step>, Failure> {
+    let needed = images - 1;
+    let step = |mut recipe: Recipe, beside| {
+        put_time(&mut recipe, options)?;
+        Ok(Step {
+            recipe,
+            beside,
+            still: None,
+        })
+    };
+    if !options.landmarks.is_empty() {
+        if options.landmarks.len() != images {
+            return Err(Failure::usage(format!(
+                "--landmarks: there are {} files for {images} images; give one for each, in the same order",
+                options.landmarks.len()
+            )));
+        }
+        let method = options.method.as_deref().unwrap_or("thin-plate");
+        let pairs = options.landmarks.windows(2);
+        return pairs
+            .map(|pair| {
+                let text = of_landmarks(&pair[0], &pair[1], method).to_string();
+                let name = format!("{} and {}", pair[0].display(), pair[1].display());
+                let recipe = Recipe::from_json(&text, &name).map_err(Failure::new)?;
+                // The files are named on the command line, relative to where it runs.
+                step(recipe, RecipeFiles::beside(Path::new("-"), true))
+            })
+            .collect();
+    }
+    if options.recipe.len() != needed {
+        return Err(Failure::usage(format!(
+            "--recipe: {} for {images} images; a chain needs one for each step, {needed} here: -r FIRST -r SECOND",
+            match options.recipe.len() {
+                1 => "there is one recipe".to_owned(),
+                count => format!("there are {count} recipes"),
+            }
+        )));
+    }
+    options
+        .recipe
+        .iter()
+        .map(|path| {
+            let bytes = files::read(path)?;
+            let recipe = Recipe::read(&bytes, &files::shown(path)).map_err(Failure::new)?;
+            step(recipe, RecipeFiles::beside(path, options.allow_outside))
+        })
+        .collect()
+}
+
+impl Step {
+    pub(super) fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
+
+    pub(super) fn beside(&self) -> &RecipeFiles {
+        &self.beside
+    }
+
+    fn features(&self, time: f64, lies: [&Lie; 2]) -> Result<MorphFeatures<Plane>, Failure> {
+        let context = |lie: &Lie| Context {
+            bounds: Some(lie.bounds()),
+            meshes: Some(&self.beside),
+            ..Context::default()
+        };
+        let (source, target) = (context(lies[0]), context(lies[1]));
+        self.recipe
+            .morph_features(time, &Plane::registry(), &source, &target)
+            .map_err(Failure::new)
+    }
+
+    /// Builds what does not depend on the time, and says what the features are.
+    pub(super) fn prepare(&mut self, lies: [&Lie; 2]) -> Result<(String, usize), Failure> {
+        let features = self.features(0.0, lies)?;
+        let found = (features.title.clone(), features.sources.len());
+        if self.recipe.track_count() == 0 {
+            self.still = Some(features);
+        }
+        Ok(found)
+    }
+
+    /// What is between two images at a time from 0 to 1.
+    pub(super) fn between(&self, time: f64, lies: [&Lie; 2]) -> Result<Between, Failure> {
+        let own;
+        let features = match &self.still {
+            Some(features) => features,
+            None => {
+                own = self.features(time, lies)?;
+                &own
+            }
+        };
+        let title = &features.title;
+        let in_frame = |list: &[Vec<DVec2>], lie: &Lie| -> Vec<Vec<DVec2>> {
+            let each = list.iter();
+            each.map(|places| places.iter().map(|&p| lie.place(p)).collect())
+                .collect()
+        };
+        let ends = [
+            in_frame(&features.sources, lies[0]),
+            in_frame(&features.targets, lies[1]),
+        ];
+        let ways = self.recipe.morph_ways(time, ends[0].len());
+        let turns = self.recipe.morph_turns();
+        let pairs = ends[0].iter().zip(&ends[1]).zip(&ways);
+        let places: Vec<Vec<DVec2>> = pairs
+            .map(
+                |((from, to), &way)| match (from.as_slice(), to.as_slice()) {
+                    (&[a, b], &[c, d]) if turns => {
+                        // A turn has no beyond.
+                        let turned =
+                            between_lines([a, b], [c, d], way.clamp(0.0, 1.0), LinePath::Turning);
+                        turned.map_or_else(|_| from.clone(), Vec::from)
+                    }
+                    _ => from
+                        .iter()
+                        .zip(to)
+                        .map(|(&p, &q)| between_points(p, q, way))
+                        .collect(),
+                },
+            )
+            .collect();
+        let wrong = |message: String| Failure::new(format!("{title} at time {time}: {message}"));
+        let grid = |nodes: &[Vec<DVec2>]| -> Result<Option<(CoordinateGrid, Spline)>, Failure> {
+            let MorphWay::Grid {
+                columns,
+                rows,
+                curves,
+            } = &features.way
+            else {
+                return Ok(None);
+            };
+            let nodes = nodes.iter().flatten().copied().collect();
+            let grid = CoordinateGrid::new(*columns, *rows, nodes)
+                .map_err(|error| wrong(error.to_string()))?;
+            let spline = curves.as_deref().map(Spline::by_name).transpose();
+            let spline = spline.map_err(|error| wrong(error.to_string()))?;
+            Ok(Some((grid, spline.unwrap_or_default())))
+        };
+        let back = |end: usize| -> Result<Way, Failure> {
+            let (image, lie) = (&ends[end], lies[end]);
+            let still = places == *image;
+            match (lie.own(), grid(image)?) {
+                (None, _) if still => Ok(Way::Still),
+                (fit, Some((image, spline))) => {
+                    let Some((between, _)) = grid(&places)? else {
+                        return Ok(Way::Still);
+                    };
+                    let warp = GridWarp::new(&between, &image, spline)
+                        .map_err(|error| wrong(error.to_string()))?;
+                    Ok(match fit {
+                        None => Way::Grid(warp),
+                        Some(fit) => {
+                            Way::Map(Box::new(Stack::new(vec![Box::new(warp), Box::new(fit)])))
+                        }
+                    })
+                }
+                (fit, None) => {
+                    let MorphWay::Warp(with) = &features.way else {
+                        return Ok(Way::Still);
+                    };
+                    let warp = with(&places, image).map_err(|error| {
+                        wrong(format!("feature {}: {}", error.path, error.message))
+                    })?;
+                    Ok(Way::Map(match fit {
+                        None => Box::new(warp),
+                        Some(fit) => Box::new(Stack::new(vec![Box::new(warp), Box::new(fit)])),
+                    }))
+                }
+            }
+        };
+        let ways = [back(0)?, back(1)?];
+        Ok(Between {
+            dissolve: self.recipe.morph_dissolve(time),
+            places,
+            ways,
+        })
+    }
+}
