@@ -119,9 +119,14 @@ impl<'a> Morph<'a> {
             }
             lies.push(lie);
         }
+        for ((path, lie), source) in options.landmarks.iter().zip(&lies).zip(&sources) {
+            steps::check_landmarks(path, lie, source.name())?;
+        }
         let mut features = Vec::new();
-        for (step, pair) in steps.iter_mut().zip(lies.windows(2)) {
-            let (title, count) = step.prepare([&pair[0], &pair[1]])?;
+        let names = sources.windows(2);
+        for ((step, pair), names) in steps.iter_mut().zip(lies.windows(2)).zip(names) {
+            let names = [names[0].name(), names[1].name()];
+            let (title, count) = step.prepare([&pair[0], &pair[1]], names)?;
             features.push(format!("{title}, {count} features"));
             step.beside()
                 .refuse_replacing(options.report.iter().chain([&options.output]))?;

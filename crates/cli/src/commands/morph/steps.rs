@@ -2,18 +2,43 @@
 
 use crate::arguments::{FitName, MorphOptions};
 use crate::error::Failure;
-use crate::files;
+use crate::files::{self, short};
 use crate::meshes::RecipeFiles;
 use crate::model::ModelSpace;
 use anamorph_catalog::{Context, Value};
 use anamorph_core::glam::{DMat2, DVec2, dvec2};
 use anamorph_core::{Affine, Bounds, Deformation, Plane, Stack};
+use anamorph_io::landmarks::Landmarks;
 use anamorph_morph::grid::{CoordinateGrid, GridWarp, Spline};
 use anamorph_morph::places::{LinePath, between_lines, between_points};
 use anamorph_raster::Window;
 use anamorph_recipe::{MorphFeatures, MorphWay, Recipe};
 use serde_json::json;
 use std::path::Path;
+
+/// Features may stand outside of an image by this share of its size; some places of a face that is cut off do.
+const FAR: f64 = 1.0;
+
+/// Refuses landmarks that say that they are of an image of another size.
+pub(super) fn check_landmarks(path: &Path, lie: &Lie, image: &str) -> Result<(), Failure> {
+    let bytes = files::read(path)?;
+    if !Landmarks::are(&bytes) {
+        return Ok(());
+    }
+    let landmarks = Landmarks::read(&bytes)
+        .map_err(|error| Failure::new(format!("{}: {error}", files::shown(path))))?;
+    let (width, height) = (lie.display.width(), lie.display.height());
+    match landmarks.size {
+        Some([w, h]) if [w, h] != [width as f64, height as f64] => Err(Failure::new(format!(
+            "{}: these are landmarks of an image of {} × {} pixels, and {image} has {width} × {height}; scale them, or take those of this \
+             image",
+            files::shown(path),
+            short(w),
+            short(h)
+        ))),
+        _ => Ok(()),
+    }
+}
 
 /// From one image to the next.
 pub(super) struct Step {
@@ -81,6 +106,27 @@ impl Lie {
 
     fn place(&self, own: DVec2) -> DVec2 {
         self.to_frame.map_or(own, |affine| affine.apply(own))
+    }
+
+    /// Refuses features that stand farther outside of the image than it is large: they are those of another.
+    fn refuse_far(&self, features: &[Vec<DVec2>], name: &str) -> Result<(), Failure> {
+        let bounds = self.bounds();
+        let reach = (bounds.max - bounds.min) * FAR;
+        let is_far =
+            |p: &&DVec2| p.cmplt(bounds.min - reach).any() || p.cmpgt(bounds.max + reach).any();
+        let all = features.iter().enumerate();
+        let mut places = all.flat_map(|(number, list)| list.iter().map(move |p| (number, p)));
+        match places.find(|(_, place)| is_far(place)) {
+            None => Ok(()),
+            Some((number, place)) => Err(Failure::new(format!(
+                "{name}: feature {number} stands at ({}, {}), far outside of its {} × {} pixels; take the features of this image, in its \
+                 pixels",
+                short(place.x),
+                short(place.y),
+                self.display.width(),
+                self.display.height()
+            ))),
+        }
     }
 
     /// From the frame's pixels to its own.
@@ -221,8 +267,18 @@ impl Step {
     }
 
     /// Builds what does not depend on the time, and says what the features are.
-    pub(super) fn prepare(&mut self, lies: [&Lie; 2]) -> Result<(String, usize), Failure> {
+    pub(super) fn prepare(
+        &mut self,
+        lies: [&Lie; 2],
+        names: [&str; 2],
+    ) -> Result<(String, usize), Failure> {
         let features = self.features(0.0, lies)?;
+        for (list, (lie, name)) in [&features.sources, &features.targets]
+            .into_iter()
+            .zip(lies.into_iter().zip(names))
+        {
+            lie.refuse_far(list, name)?;
+        }
         let found = (features.title.clone(), features.sources.len());
         if self.recipe.track_count() == 0 {
             self.still = Some(features);
