@@ -229,8 +229,8 @@ impl<'a> Places<'a> {
             let more = (self.span.end - at).clamp(1.0, RUN as f64) as usize;
             let end = (done + more).min(RUN + 1);
             let numbers = self.span.numbers();
-            for (i, place) in places.iter_mut().enumerate().take(end).skip(done) {
-                *place = evaluate(numbers, self.at + i as f64) - self.corner;
+            for (i, place) in places[done..end].iter_mut().enumerate() {
+                *place = evaluate(numbers, self.at + (done + i) as f64) - self.corner;
             }
             done = end;
         }
