@@ -8,6 +8,7 @@
 use anamorph_core::glam::dvec2;
 use anamorph_core::{Deformation, Plane, Scaling};
 use anamorph_features::ElementPair;
+use anamorph_morph::grid::{CoordinateGrid, GridWarp, Spline, TwoPassMemory, two_pass_into};
 use anamorph_raster::{
     Edge, Filter, Hierarchy, PixelMap, Raster, Window, hierarchical_map, hierarchical_map_into,
     resample_into,
@@ -124,5 +125,45 @@ fn maps(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, resampling, maps);
+/// A picture of 1024² on a grid of 20 × 20 nodes, moved by up to a tenth of a cell, by both ways of drawing it.
+fn grids(criterion: &mut Criterion) {
+    let side = 1024;
+    let two = pool();
+    let mut source = Raster::new(window(side), 4).unwrap();
+    for (i, sample) in source.samples_mut().iter_mut().enumerate() {
+        *sample = (i % 251) as f32;
+    }
+    let image = CoordinateGrid::regular(window(side), 20, 20).unwrap();
+    let nodes = image.nodes().iter().enumerate().map(|(i, node)| {
+        let by = dvec2((i * 37 % 11) as f64 - 5.0, (i * 53 % 13) as f64 - 6.0);
+        *node + by
+    });
+    let result = CoordinateGrid::new(20, 20, nodes.collect()).unwrap();
+    let warp = GridWarp::new(&result, &image, Spline::CatmullRom).unwrap();
+    let (mut memory, mut target) = (TwoPassMemory::default(), source.clone());
+    let mut map = PixelMap::identity(window(side)).unwrap();
+    let mut group = settle(
+        criterion,
+        "Coordinate grid, 1024², 4 channels, 2 threads",
+        side,
+    );
+    group.bench_function("baseline: map of every pixel, bilinear", |bencher| {
+        bencher.iter(|| {
+            two.install(|| {
+                map.evaluate(&warp);
+                resample_into(&source, &map, Filter::BILINEAR, Edge::Clamp, &mut target).unwrap();
+            });
+        });
+    });
+    group.bench_function("two passes", |bencher| {
+        bencher.iter(|| {
+            two.install(|| {
+                two_pass_into(&source, &warp, Edge::Clamp, &mut memory, &mut target).unwrap();
+            });
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, resampling, maps, grids);
 criterion_main!(benches);

@@ -611,3 +611,99 @@ fn landmarks_of_both_images_coincide_and_the_ends_are_the_images() {
         assert!(worst < 0.5, "{spline:?}: {worst} pixels");
     }
 }
+
+#[test]
+fn refused_crossings_are_there() {
+    let area = window(0, 0, 100, 100);
+    let even = CoordinateGrid::regular(area, 5, 5).unwrap();
+    let mut seen = 0;
+    for seed in 1..400 {
+        let mut random = Random(seed);
+        let nodes = even
+            .nodes()
+            .iter()
+            .map(|node| *node + dvec2(random.next(), random.next()) * 13.0)
+            .collect();
+        let Ok(wild) = CoordinateGrid::new(5, 5, nodes) else {
+            continue;
+        };
+        for spline in Spline::all() {
+            // Rows of the result, and columns of the image, are those that are drawn.
+            for (result, image, axis, grid) in
+                [(&wild, &even, 0, "result"), (&even, &wild, 1, "image")]
+            {
+                let curves = wild.curves(spline, 50).unwrap();
+                let curves = if axis == 0 {
+                    &curves[..5]
+                } else {
+                    &curves[5..]
+                };
+                let value = |line: &[DVec2], at: f64| {
+                    let behind = line.partition_point(|p| p[axis] <= at);
+                    if behind == 0 || behind == line.len() {
+                        return line[behind.saturating_sub(1).min(line.len() - 1)][1 - axis];
+                    }
+                    let (a, b) = (line[behind - 1], line[behind]);
+                    a.lerp(b, (at - a[axis]) / (b[axis] - a[axis]))[1 - axis]
+                };
+                let gap = |first: usize, at: f64| {
+                    value(&curves[first + 1], at) - value(&curves[first], at)
+                };
+                match GridWarp::new(result, image, spline) {
+                    Ok(_) => {
+                        for i in -100..1300 {
+                            let at = f64::from(i) / 10.0;
+                            assert!((0..4).all(|first| gap(first, at) > -0.01), "{seed} {at}");
+                        }
+                    }
+                    Err(GridError::Crossing {
+                        grid: found,
+                        first,
+                        near,
+                        ..
+                    }) if found == grid => {
+                        seen += 1;
+                        assert!(gap(first, near[axis]) < 0.01, "{spline:?} {seed} {near}");
+                    }
+                    // In the auxiliary grid.
+                    Err(GridError::Crossing { .. }) => {}
+                    Err(other) => panic!("{other}"),
+                }
+            }
+        }
+    }
+    assert!(seen > 10, "{seen}");
+}
+
+#[test]
+fn extreme_grids_and_small_pictures_are_drawn() {
+    let mut random = Random(4);
+    for round in 0..60 {
+        let size = [1e-5, 0.3, 40.0, 1e6, 1e14][round % 5];
+        let grid = |random: &mut Random, size: f64| {
+            let nodes = (0..12).map(|i| {
+                let at = dvec2((i % 4) as f64, (i / 4) as f64);
+                (at + dvec2(random.next(), random.next()) * 0.2 - 1.0) * size
+            });
+            CoordinateGrid::new(4, 3, nodes.collect()).unwrap()
+        };
+        let result = grid(&mut random, size);
+        let image = grid(&mut random, [1e14, 3.0, 1e-5][round % 3]);
+        for spline in Spline::all() {
+            let warp = GridWarp::new(&result, &image, spline).unwrap();
+            for (width, height, channels) in [(1, 1, 1), (2, 5, 4), (67, 3, 5)] {
+                let picture = noise(window(-1, 0, width, height), channels);
+                for edge in Edge::all() {
+                    let far = [0, 1 << 49][round % 2];
+                    let place = window(-far, far - 3, height + 1, width);
+                    let drawn = two_pass(&picture, &warp, place, edge).unwrap();
+                    let usual = |s: &f32| (-1e-6..=1.000_001).contains(s);
+                    assert!(
+                        drawn.samples().iter().all(usual),
+                        "{round} {spline:?} {edge:?}"
+                    );
+                }
+            }
+        }
+    }
+}

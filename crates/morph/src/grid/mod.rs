@@ -22,8 +22,8 @@ pub use two_pass::{TwoPassMemory, two_pass, two_pass_into};
 pub use warp::{Folds, GridWarp};
 
 use crate::{KeyError, KeyPath};
-use anamorph_core::Plane;
 use anamorph_core::glam::{DVec2, dvec2};
+use anamorph_core::{Curve, Plane};
 use anamorph_curves::CurveError;
 use anamorph_raster::Window;
 
@@ -288,6 +288,35 @@ impl CoordinateGrid {
         let columns = (0..self.columns).map(|column| down(column).collect());
         rows.chain(columns).collect()
     }
+
+    /// The same lines as they go on between nodes, in `steps` (at least 1) straight pieces from each node to the next.
+    ///
+    /// # Errors
+    /// [`GridError::Curve`] where coordinates overflow.
+    pub fn curves(&self, spline: Spline, steps: usize) -> Result<Vec<Vec<Plane>>, GridError> {
+        let steps = steps.max(1);
+        let mut lines = self.polylines();
+        for (number, line) in lines.iter_mut().enumerate() {
+            // Rows are functions of x, columns of y.
+            let axis = usize::from(number >= self.rows);
+            let at: Vec<f64> = line.iter().map(|node| node[axis]).collect();
+            let curve = spline::function(spline, &at, line.clone())?;
+            let mut points = Vec::with_capacity(steps * at.len());
+            for (pair, node) in at.windows(2).zip(line.iter()) {
+                points.push(*node);
+                let share = |step: usize| step as f64 / steps as f64;
+                points.extend((1..steps).map(|step| {
+                    let there = pair[0] + (pair[1] - pair[0]) * share(step);
+                    let mut point = curve.point(there);
+                    point[axis] = there;
+                    point
+                }));
+            }
+            points.extend(line.last());
+            *line = points;
+        }
+        Ok(lines)
+    }
 }
 
 /// Whether a coordinate lies far enough behind another.
@@ -401,6 +430,33 @@ mod tests {
         ));
         let huge = CoordinateGrid::regular(window(), usize::MAX, 3);
         assert!(matches!(huge, Err(GridError::TooMany { .. })));
+    }
+
+    #[test]
+    fn lines_go_on_as_the_spline_says() {
+        let even = CoordinateGrid::regular(window(), 4, 3).unwrap();
+        let grid = even.with_node(1, 1, dvec2(9.0, 15.0)).unwrap();
+        for spline in Spline::all() {
+            let lines = grid.curves(spline, 4).unwrap();
+            let nodes = grid.polylines();
+            assert_eq!(lines.len(), nodes.len());
+            for (line, nodes) in lines.iter().zip(&nodes) {
+                assert_eq!(line.len(), 4 * (nodes.len() - 1) + 1);
+                let every: Vec<DVec2> = line.iter().copied().step_by(4).collect();
+                assert_eq!(&every, nodes);
+            }
+        }
+        let lines = grid.curves(Spline::Linear, 2).unwrap();
+        assert_eq!(lines[1][1], dvec2(3.5, 14.0));
+        // The slope at the left end is that of the chord, at the moved node that of the parabola.
+        let smooth = grid.curves(Spline::CatmullRom, 2).unwrap()[1][1];
+        let slope =
+            |width: f64, next: f64| (2.0 / width * next - 2.0 / next * width) / (width + next);
+        let expected = 14.0 + 11.0 * (2.0 / 11.0 - slope(11.0, 9.0)) / 8.0;
+        assert!(
+            (smooth - dvec2(3.5, expected)).length() < 1e-12,
+            "{smooth} {expected}"
+        );
     }
 
     #[test]

@@ -74,7 +74,7 @@ pub fn two_pass_into(
         });
     }
     let window = target.window();
-    let (width, height) = (window.width(), window.height());
+    let width = window.width();
     let (_, lines) = warp.shape();
 
     make_room(&mut memory.knots, window, lines, Knot::default())?;
@@ -137,7 +137,6 @@ pub fn two_pass_into(
             second.down(top, cursors, out);
         },
     );
-    debug_assert_eq!(target.samples().len(), width * height * channels);
     Ok(())
 }
 
@@ -230,8 +229,8 @@ impl<'a> Places<'a> {
             let more = (self.span.end - at).clamp(1.0, RUN as f64) as usize;
             let end = (done + more).min(RUN + 1);
             let numbers = self.span.numbers();
-            for (i, place) in places.iter_mut().enumerate().take(end).skip(done) {
-                *place = evaluate(numbers, self.at + i as f64) - self.corner;
+            for (i, place) in places[done..end].iter_mut().enumerate() {
+                *place = evaluate(numbers, self.at + (done + i) as f64) - self.corner;
             }
             done = end;
         }
