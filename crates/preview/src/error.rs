@@ -27,6 +27,18 @@ pub enum PreviewError {
         /// The largest width and height.
         most: u32,
     },
+    /// Bytes that are not those of a picture.
+    #[error(
+        "{found} bytes are given for a picture of {width} × {height} pixels; give three for each pixel, and at least one pixel"
+    )]
+    Pixels {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+        /// How many bytes were given.
+        found: usize,
+    },
     /// The picture is too small to hold anything or too large to be made.
     #[error(
         "a picture of {width} × {height} pixels with {samples} × {samples} samples each cannot be made; \

@@ -18,12 +18,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 /// Whether a result is there and holds something.
-fn is_finished(path: &Path) -> bool {
+pub(super) fn is_finished(path: &Path) -> bool {
     path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0)
 }
 
 /// Refuses names by which any frame would replace what it is made from.
-fn refuse_inputs(
+pub(super) fn refuse_inputs(
     model: &Path,
     run: &Run<'_>,
     frames: &Frames,
@@ -53,7 +53,7 @@ fn refuse_inputs(
 }
 
 /// What a series of frames was made from.
-struct Record(Value);
+pub(super) struct Record(Value);
 
 impl Record {
     fn of(document: &dyn Document, run: &Run<'_>, frames: &Frames) -> Self {
@@ -61,6 +61,11 @@ impl Record {
             Points::Plane(points) => Fingerprint::of(points),
             Points::Solid(points) => Fingerprint::of(points),
         };
+        Self::new(model, run, frames)
+    }
+
+    /// Of a model with that fingerprint.
+    pub(super) fn new(model: Fingerprint, run: &Run<'_>, frames: &Frames) -> Self {
         Self(json!({
             "anamorph": "frames",
             "model": format!("{:016x}", model.0),
@@ -71,8 +76,14 @@ impl Record {
         }))
     }
 
+    /// The same with one thing more that the frames depend on.
+    pub(super) fn with(mut self, name: &str, value: Value) -> Self {
+        self.0[name] = value;
+        self
+    }
+
     /// Whether the record that is there says the same; frames that exist and are not of this making are refused.
-    fn check(
+    pub(super) fn check(
         &self,
         path: &Path,
         force: bool,
@@ -109,7 +120,7 @@ impl Record {
         }
     }
 
-    fn write(&self, path: &Path) -> Result<(), Failure> {
+    pub(super) fn write(&self, path: &Path) -> Result<(), Failure> {
         let mut file = Pending::create(path, true)?;
         let text = serde_json::to_string_pretty(&self.0).map_err(Failure::new)?;
         file.fill(|out| writeln!(out, "{text}"))?;
