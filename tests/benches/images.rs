@@ -5,15 +5,16 @@
 // A benchmark that cannot be set up has nothing to measure.
 #![allow(clippy::unwrap_used)]
 
-use anamorph_core::glam::dvec2;
+use anamorph_core::glam::{DVec2, dvec2};
 use anamorph_core::{Deformation, Plane, Scaling};
-use anamorph_features::ElementPair;
+use anamorph_features::{Element, ElementPair, PointPair};
 use anamorph_morph::grid::{CoordinateGrid, GridWarp, Spline, TwoPassMemory, two_pass_into};
 use anamorph_raster::{
     Edge, Filter, Hierarchy, PixelMap, Raster, Window, hierarchical_map, hierarchical_map_into,
     resample_into,
 };
 use anamorph_warps::lines::{WeightConstants, local};
+use anamorph_warps::radial::{Kernel, RadialWarp};
 use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
 };
@@ -42,7 +43,7 @@ fn settle<'a>(
 }
 
 /// A hundred lines all over a square, moved and turned by up to a hundredth of its side.
-fn lines(side: usize) -> impl Deformation<Plane> {
+fn pairs_of_lines(side: usize) -> (Vec<ElementPair<Plane>>, WeightConstants) {
     let mut state = 0x1234_5678_9abc_def1_u64;
     let mut unit = move || {
         state ^= state << 13;
@@ -56,17 +57,65 @@ fn lines(side: usize) -> impl Deformation<Plane> {
         b: 2.0,
         p: 0.0,
     };
-    let pairs: Vec<_> = (0..100)
-        .map(|_| {
-            let from = dvec2(unit(), unit()) * size;
-            let to = from + (dvec2(unit(), unit()) - 0.5) * size * 0.15;
-            let mut moved = || (dvec2(unit(), unit()) - 0.5) * size * 0.02;
-            let target = [from + moved(), to + moved()];
-            let pair = ElementPair::of_corners(&[from, to], &target).unwrap();
-            (pair, constants)
-        })
-        .collect();
+    let pairs = (0..100).map(|_| {
+        let from = dvec2(unit(), unit()) * size;
+        let to = from + (dvec2(unit(), unit()) - 0.5) * size * 0.15;
+        let mut moved = || (dvec2(unit(), unit()) - 0.5) * size * 0.02;
+        let target = [from + moved(), to + moved()];
+        ElementPair::of_corners(&[from, to], &target).unwrap()
+    });
+    (pairs.collect(), constants)
+}
+
+fn lines(side: usize) -> impl Deformation<Plane> {
+    let (pairs, constants) = pairs_of_lines(side);
+    let pairs: Vec<_> = pairs.into_iter().map(|pair| (pair, constants)).collect();
     local::construct(&pairs, Scaling::Displacement).unwrap()
+}
+
+/// A thin plate through fifty landmarks all over a square, moved by up to a fiftieth of its side.
+fn plate(side: usize) -> impl Deformation<Plane> {
+    let mut state = 0x9876_5432_1abc_def1_u64;
+    let mut unit = move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let size = side as f64;
+    let mut place = || dvec2(unit(), unit());
+    let pairs = (0..50).map(|_| {
+        let source = place() * size;
+        let target = source + (place() - 0.5) * size * 0.04;
+        PointPair { source, target }
+    });
+    RadialWarp::construct(pairs.collect(), Kernel::ThinPlate, true, 0.0).unwrap()
+}
+
+/// Feature lines as plainly as can be: for every pixel a loop over the lines, in ordinary code.
+fn plain_lines(pairs: &[[DVec2; 4]], a: f64, width: usize, row: usize, out: &mut [DVec2]) {
+    for (column, out) in out.iter_mut().enumerate().take(width) {
+        let p = dvec2(column as f64 + 0.5, row as f64 + 0.5);
+        let (mut sum, mut total) = (DVec2::ZERO, 0.0);
+        for &[from, to, new_from, new_to] in pairs {
+            let (line, new_line) = (to - from, new_to - new_from);
+            let length = line.length();
+            let u = (p - from).dot(line) / (length * length);
+            let v = (p - from).dot(line.perp()) / length;
+            let moved = new_from + new_line * u + new_line.perp() * (v / new_line.length());
+            let d = if u < 0.0 {
+                p.distance(from)
+            } else if u > 1.0 {
+                p.distance(to)
+            } else {
+                v.abs()
+            };
+            let weight = 1.0 / ((a + d) * (a + d));
+            sum += (moved - p) * weight;
+            total += weight;
+        }
+        *out = p + sum / total;
+    }
 }
 
 fn window(side: usize) -> Window {
@@ -107,22 +156,102 @@ fn resampling(criterion: &mut Criterion) {
 }
 
 /// Both over memory that is already there.
-fn maps(criterion: &mut Criterion) {
+fn map_of(criterion: &mut Criterion, what: &str, side: usize, warp: &dyn Deformation<Plane>) {
     let two = pool();
+    let mut map = PixelMap::identity(window(side)).unwrap();
+    let name = format!("Map of {what}, {side}², 2 threads");
+    let mut group = settle(criterion, &name, side);
+    group.bench_function("baseline: every pixel", |bencher| {
+        bencher.iter(|| two.install(|| map.evaluate(warp)));
+    });
+    group.bench_function("hierarchical, 0.05 px", |bencher| {
+        let options = Hierarchy::default();
+        bencher.iter(|| two.install(|| hierarchical_map_into(warp, &options, &mut map)));
+    });
+    group.finish();
+}
+
+fn maps(criterion: &mut Criterion) {
     for side in [1024, 4096] {
-        let warp = lines(side);
-        let mut map = PixelMap::identity(window(side)).unwrap();
-        let name = format!("Map of 100 lines, {side}², 2 threads");
-        let mut group = settle(criterion, &name, side);
-        group.bench_function("baseline: every pixel", |bencher| {
-            bencher.iter(|| two.install(|| map.evaluate(&warp)));
-        });
-        group.bench_function("hierarchical, 0.05 px", |bencher| {
-            let options = Hierarchy::default();
-            bencher.iter(|| two.install(|| hierarchical_map_into(&warp, &options, &mut map)));
-        });
-        group.finish();
+        map_of(criterion, "100 lines", side, &lines(side));
     }
+    map_of(criterion, "50 landmarks", 1024, &plate(1024));
+}
+
+/// Every pixel through a hundred lines, one thread: pixels times lines a second.
+fn lines_at_every_pixel(criterion: &mut Criterion) {
+    let side = 1024;
+    let one = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    let mut group = settle(criterion, "100 lines at every pixel, 1024², 1 thread", side);
+    group.throughput(Throughput::Elements((side * side * 100) as u64));
+    let (pairs, constants) = pairs_of_lines(side);
+    let corners: Vec<[DVec2; 4]> = pairs
+        .iter()
+        .map(|pair| {
+            let corner = |element: &Element<Plane>, t: f64| element.at([t; 3]);
+            let (source, target) = (&pair.source, &pair.target);
+            [
+                corner(source, 0.0),
+                corner(source, 1.0),
+                corner(target, 0.0),
+                corner(target, 1.0),
+            ]
+        })
+        .collect();
+    let mut line = vec![DVec2::ZERO; side];
+    group.bench_function("baseline: plain loop", |bencher| {
+        bencher.iter(|| {
+            for row in 0..side {
+                plain_lines(&corners, constants.a, side, row, &mut line);
+                std::hint::black_box(&line);
+            }
+        });
+    });
+    let mut map = PixelMap::identity(window(side)).unwrap();
+    for (name, b) in [("b = 2", 2.0), ("b = 1", 1.0), ("b = 1.7", 1.7)] {
+        let pairs: Vec<_> = pairs
+            .iter()
+            .map(|&pair| (pair, WeightConstants { b, ..constants }))
+            .collect();
+        let warp = local::construct(&pairs, Scaling::Displacement).unwrap();
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| one.install(|| map.evaluate(&warp)));
+        });
+    }
+    group.finish();
+}
+
+/// Map within 0.05 px and sampling, over memory that is already there.
+fn whole_warp(criterion: &mut Criterion) {
+    let side = 1024;
+    let two = pool();
+    let warp = plate(side);
+    let mut source = Raster::new(window(side), 4).unwrap();
+    for (i, sample) in source.samples_mut().iter_mut().enumerate() {
+        *sample = (i % 251) as f32;
+    }
+    let mut target = source.clone();
+    let mut map = PixelMap::identity(window(side)).unwrap();
+    let mut group = settle(
+        criterion,
+        "Thin plate of 50 landmarks on an image, 1024², 4 channels, 2 threads",
+        side,
+    );
+    for filter in [Filter::BILINEAR, Filter::ANISOTROPIC] {
+        group.bench_function(filter.name(), |bencher| {
+            let options = Hierarchy::default();
+            bencher.iter(|| {
+                two.install(|| {
+                    hierarchical_map_into(&warp, &options, &mut map).unwrap();
+                    resample_into(&source, &map, filter, Edge::Clamp, &mut target).unwrap();
+                });
+            });
+        });
+    }
+    group.finish();
 }
 
 /// A picture of 1024² on a grid of 20 × 20 nodes, moved by up to a tenth of a cell, by both ways of drawing it.
@@ -165,5 +294,12 @@ fn grids(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, resampling, maps, grids);
+criterion_group!(
+    benches,
+    resampling,
+    lines_at_every_pixel,
+    maps,
+    whole_warp,
+    grids
+);
 criterion_main!(benches);

@@ -28,7 +28,9 @@ pub(crate) enum Command {
     Motion(MotionOptions),
     /// Write control points, frames or points of a model to edit in a modeller
     Cage(CageOptions),
-    /// Say what a model file holds, and what is odd about it
+    /// Let a curve settle on the edges of an image, to be a feature of a warp
+    Snake(crate::commands::snake::SnakeOptions),
+    /// Say what a model file or an image holds, and what is odd about it
     Inspect(InspectOptions),
     /// Say what the warps of a recipe promise
     Check(CheckOptions),

@@ -50,6 +50,7 @@ where
         Command::Motion(options) => commands::motion::run(&options),
         Command::Cage(options) => commands::cage::run(&options),
         Command::Inspect(options) => commands::inspect::run(&options),
+        Command::Snake(options) => commands::snake::run(&options),
         Command::Check(options) => commands::check::run(&options),
         Command::List(options) => commands::list::run(&options),
         Command::Gallery(options) => gallery::run(&options),

@@ -101,7 +101,7 @@ pub(crate) fn check(view: &ViewOptions, turning: bool) -> Result<(), PreviewErro
 }
 
 /// The marks of a recipe: sources as the first warp sees them, targets carried on by the later warps.
-fn marks<S: ModelSpace>(built: &BuiltRecipe<S>) -> (Vec<Mark<S>>, Vec<Mark<S>>) {
+pub(crate) fn marks<S: ModelSpace>(built: &BuiltRecipe<S>) -> (Vec<Mark<S>>, Vec<Mark<S>>) {
     let (mut before, mut after) = (Vec::new(), Vec::new());
     for (number, part) in built.parts.iter().enumerate() {
         let later = &built.parts[number + 1..];

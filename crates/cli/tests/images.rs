@@ -332,14 +332,22 @@ fn bad_inputs_are_one_message_and_write_nothing() {
         &["pixels"],
     );
     fails(
-        &["in.exr", "-o", "o.exr", "--preview", "p.png"],
+        &[
+            "in.exr",
+            "-o",
+            "o.exr",
+            "--preview",
+            "p.gif",
+            "--turntable",
+            "9",
+        ],
         2,
-        &["preview"],
+        &["turntable"],
     );
     fails(
-        &["in.exr", "-o", "o.%04d.exr", "--frames", "3"],
+        &["in.exr", "-o", "o.exr", "--frames", "3"],
         2,
-        &["--frames"],
+        &["--output", "o.exr", "%04d"],
     );
     fails(
         &["in.exr", "-o", "o.exr", "--stmap", "o.exr"],

@@ -15,18 +15,6 @@ pub enum PreviewError {
         /// How many points the model has.
         points: usize,
     },
-    /// Pixels that do not make the picture they are said to be.
-    #[error(
-        "{bytes} bytes are no picture of {width} × {height} pixels of four bytes each; give as many as it has"
-    )]
-    Pixels {
-        /// How many bytes there are.
-        bytes: usize,
-        /// Pixels across.
-        width: u32,
-        /// Pixels down.
-        height: u32,
-    },
     /// A drawing without pixels, or with too many.
     #[error(
         "a drawing of {width} × {height} pixels cannot be made; width and height go from 1 to {most} pixels"
@@ -38,6 +26,18 @@ pub enum PreviewError {
         height: u32,
         /// The largest width and height.
         most: u32,
+    },
+    /// Bytes that are not those of a picture.
+    #[error(
+        "{found} bytes are given for a picture of {width} × {height} pixels; give three for each pixel, and at least one pixel"
+    )]
+    Pixels {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+        /// How many bytes were given.
+        found: usize,
     },
     /// The picture is too small to hold anything or too large to be made.
     #[error(

@@ -25,6 +25,30 @@ impl Picture {
         }
     }
 
+    /// A picture from pixels row by row from the top, three bytes each: red, green, blue, sRGB-encoded.
+    ///
+    /// # Errors
+    /// [`PreviewError::Pixels`] where there are not as many as `width` and `height` say, or none.
+    pub fn from_rgb(pixels: &[u8], width: u32, height: u32) -> Result<Self, PreviewError> {
+        let (threes, rest) = pixels.as_chunks::<3>();
+        let count = u64::from(width) * u64::from(height);
+        if threes.len() as u64 != count || count == 0 || !rest.is_empty() {
+            return Err(PreviewError::Pixels {
+                width,
+                height,
+                found: pixels.len(),
+            });
+        }
+        Ok(Self {
+            pixels: threes
+                .iter()
+                .flat_map(|&[r, g, b]| [r, g, b, 255])
+                .collect(),
+            width,
+            height,
+        })
+    }
+
     /// A picture from pixels that are opaque, four bytes each.
     pub(crate) fn from_opaque(pixels: &[u8], width: u32, height: u32) -> Self {
         Self {
@@ -32,26 +56,6 @@ impl Picture {
             width,
             height,
         }
-    }
-
-    /// A picture from pixels, row by row from the top, four bytes each: red, green, blue (sRGB), and 255.
-    ///
-    /// # Errors
-    /// [`PreviewError::Pixels`] if there are more or fewer than width and height say, or none.
-    pub fn opaque(pixels: Vec<u8>, width: u32, height: u32) -> Result<Self, PreviewError> {
-        let wanted = u64::from(width) * u64::from(height) * 4;
-        if wanted == 0 || pixels.len() as u64 != wanted {
-            return Err(PreviewError::Pixels {
-                bytes: pixels.len(),
-                width,
-                height,
-            });
-        }
-        Ok(Self {
-            pixels,
-            width,
-            height,
-        })
     }
 
     /// The pixels, row by row from the top, four bytes each (red, green, blue, opacity; sRGB; opacity is always 255),
@@ -142,6 +146,17 @@ mod tests {
         }
         assert_eq!(table.encode(f32::NAN), 0);
         assert_eq!(table.encode(7.0), 255);
+    }
+
+    #[test]
+    fn pixels_must_fill_the_picture() {
+        let bytes: Vec<u8> = (0..18).collect();
+        let picture = Picture::from_rgb(&bytes, 3, 2).unwrap();
+        assert_eq!(picture.pixel(2, 1), Some([15, 16, 17, 255]));
+        for (count, width, height) in [(17, 3, 2), (18, 3, 3), (0, 0, 2), (16, 3, 2)] {
+            let odd = Picture::from_rgb(&bytes[..count], width, height);
+            assert!(matches!(odd, Err(PreviewError::Pixels { .. })), "{count}");
+        }
     }
 
     #[test]

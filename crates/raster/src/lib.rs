@@ -8,6 +8,7 @@
 //! - [`hierarchical_map`]: a map evaluated on a grid only as fine as a bound of its error asks for.
 //! - [`splat`]: the other direction, source pixels drawn where a deformation takes them.
 //! - [`cross_dissolve`]: two rasters in one.
+//! - [`snake`]: curves that settle on an image's edges, to be features of a warp.
 //!
 //! Coordinates: pixel `(x, y)` covers `[x, x + 1) × [y, y + 1)`, its centre is `(x + ½, y + ½)`; `x` goes right and `y` goes
 //! down, as in files. A warp of an image in these coordinates is a `Deformation<Plane>`, and inverse mapping takes the
@@ -40,6 +41,7 @@ mod parallel;
 mod raster;
 mod resample;
 pub mod sampling;
+pub mod snake;
 mod splat;
 mod window;
 

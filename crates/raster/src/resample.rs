@@ -5,9 +5,9 @@
 //! have, and costs no evaluations.
 
 use crate::map::offsets_of_row;
-use crate::sampling::{Edge, Filter, Sampler};
+use crate::sampling::{Around, Edge, Filter, Sampler};
 use crate::{PixelMap, Raster, RasterError, Window, parallel};
-use anamorph_core::glam::{DMat2, DVec2, dvec2};
+use anamorph_core::glam::DVec2;
 use anamorph_core::{Deformation, Plane};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -113,36 +113,17 @@ fn draw<'a>(
                 let here = (row - around.start) * width;
                 let offsets_here = &offsets[here..here + width];
                 let centre = window.centre(0, row);
-                let jacobian = |column: usize| {
-                    let row = row - around.start;
-                    footprint(&offsets, width, around.len(), column, row)
+                // The rows next to it; none where the filter does not ask for them.
+                let at = row - around.start;
+                let line = |row: usize| &offsets[row * width..(row + 1) * width];
+                let (above, below) = (at.saturating_sub(1), (at + 1).min(around.len() - 1));
+                let neighbours = Around {
+                    above: if border == 1 { line(above) } else { &[] },
+                    below: if border == 1 { line(below) } else { &[] },
+                    steps: below - above,
                 };
-                sampler.row(centre, offsets_here, jacobian, out);
+                sampler.row(centre, offsets_here, &neighbours, out);
             }
         },
     );
-}
-
-/// The derivative of the source position by the target position, from the neighbours that there are.
-#[inline(always)]
-fn footprint(
-    offsets: &[[f32; 2]],
-    width: usize,
-    height: usize,
-    column: usize,
-    row: usize,
-) -> DMat2 {
-    let at = |column: usize, row: usize| {
-        let [x, y] = offsets[row * width + column];
-        dvec2(f64::from(x), f64::from(y))
-    };
-    let ends = |here: usize, size: usize| (here.saturating_sub(1), (here + 1).min(size - 1));
-    // One or two steps, or none where there is only one pixel.
-    let slope =
-        |from: DVec2, to: DVec2, steps: usize| (to - from) * if steps == 2 { 0.5 } else { 1.0 };
-    let (left, right) = ends(column, width);
-    let (above, below) = ends(row, height);
-    let across = slope(at(left, row), at(right, row), right - left);
-    let down = slope(at(column, above), at(column, below), below - above);
-    DMat2::from_cols(DVec2::X + across, DVec2::Y + down)
 }

@@ -4,21 +4,25 @@
 //! The coordinates of a recipe are pixels: x goes right and y goes down, as in the file, and a pixel's centre is half a
 //! pixel from its corner. Percentages refer to the display window.
 
+use super::image_maps::{motion, read_stmap, stmap};
 use super::jobs::Job;
+use super::panels::Panels;
 use super::promises::fold;
 use super::warp::Run;
 use crate::arguments::{ImageOptions, MappingName, WarpOptions};
 use crate::error::{Failure, say};
 use crate::files::{self, Pending};
 use crate::model::{self, ModelSpace};
+use crate::picture;
 use anamorph_catalog::Context;
 use anamorph_core::glam::{DVec2, dvec2};
 use anamorph_core::{
-    Bounds, Deformation, Domain, Facts, Inverse, Plane, Site, Stack, Unmapped, map_all_parallel,
+    Affine, Bounds, Deformation, Domain, Facts, Inverse, Plane, Site, Stack, Unmapped,
+    map_all_parallel,
 };
 use anamorph_io::Lost;
 use anamorph_io::images::{
-    Channel, EncodeOptions, ImageFile, ImageFormat, ImageLayer, ImageLimits, SampleType,
+    Channel, EncodeOptions, ImageFile, ImageFormat, ImageLayer, ImageLimits,
 };
 use anamorph_raster::{
     Bound, Edge, Filter, Hierarchy, HierarchyReport, PixelMap, Raster, RasterError, SplatOptions,
@@ -68,7 +72,7 @@ pub(super) fn refuse_options(options: &WarpOptions) -> Result<(), Failure> {
 }
 
 /// Refuses what images do not have.
-fn check(job: &Job, options: &WarpOptions) -> Result<(), Failure> {
+pub(super) fn check(job: &Job, options: &WarpOptions) -> Result<(), Failure> {
     let image = files::shown(&job.model);
     let refuse = |given: bool, what: &str, mend: &str| {
         if given {
@@ -79,9 +83,14 @@ fn check(job: &Job, options: &WarpOptions) -> Result<(), Failure> {
         Ok(())
     };
     refuse(
-        options.preview.is_some(),
-        "a preview",
-        "leave out --preview: the result is a picture",
+        options.turntable.is_some(),
+        "a turntable",
+        "leave out --turntable: a picture has one side",
+    )?;
+    refuse(
+        options.preview_field.is_some(),
+        "a painted preview",
+        "leave out --preview-field",
     )?;
     refuse(
         options.binding.is_some(),
@@ -91,9 +100,9 @@ fn check(job: &Job, options: &WarpOptions) -> Result<(), Failure> {
     refuse(options.rest.is_some(), "a rest model", "leave out --rest")?;
     let several = options.models.len() > 1;
     let maps = [&options.image.stmap, &options.image.motion_vectors];
-    if several && maps.iter().any(|path| path.is_some()) {
+    if (several || options.frames.is_some()) && maps.iter().any(|path| path.is_some()) {
         return Err(Failure::usage(
-            "--stmap and --motion-vectors are of one image; warp the images one by one",
+            "--stmap and --motion-vectors are of one image; warp the images, or the frames by --set, one by one",
         ));
     }
     let known = |path: &PathBuf| (!files::is_stream(path)).then(|| files::identity(path));
@@ -421,76 +430,6 @@ fn draw_forward(
     Ok(())
 }
 
-/// The place of each target pixel in the source, as compositors keep it: shares of the display window's sides, v going up.
-/// Pixels without a place have −1 in both.
-fn stmap(map: &PixelMap, display: Window) -> Result<ImageFile, Failure> {
-    let window = map.window();
-    let (width, height) = (display.width() as f64, display.height() as f64);
-    let mut samples = Vec::with_capacity(2 * map.offsets().len());
-    for row in 0..window.height() {
-        for column in 0..window.width() {
-            let place = map.position(column, row).filter(|p| p.is_finite());
-            let (u, v) = place.map_or((-1.0, -1.0), |place| {
-                let from = place - display.corner();
-                (from.x / width, 1.0 - from.y / height)
-            });
-            samples.extend([u as f32, v as f32]);
-        }
-    }
-    let raster = Raster::from_samples(window, 2, samples).map_err(Failure::new)?;
-    ImageFile::data(&raster.with_display(display), &["R", "G"]).map_err(Failure::new)
-}
-
-/// The map that a file holds, for an image with that display window.
-fn read_stmap(path: &Path, display: Window) -> Result<PixelMap, Failure> {
-    let wrong =
-        |error: &dyn core::fmt::Display| Failure::new(format!("{}: {error}", files::shown(path)));
-    let bytes = files::read(path)?;
-    let limits = ImageLimits::of_file(bytes.len());
-    let image = ImageFile::read(&bytes, limits).map_err(|error| wrong(&error))?;
-    let found = image.layers().iter().find_map(|layer| {
-        let names = [["R", "G"], ["u", "v"], ["U", "V"]];
-        let is_mixed = |c: &&Channel| c.sample() != SampleType::Integer32;
-        let mixed = || layer.channels().iter().filter(is_mixed);
-        let place = |name: &str| mixed().position(|c| c.name() == name);
-        let pairs = names.iter().find_map(|[u, v]| place(u).zip(place(v)));
-        Some((layer.raster.as_ref()?, pairs?))
-    });
-    let Some((raster, (u, v))) = found.filter(|_| image.format() == ImageFormat::OpenExr) else {
-        return Err(wrong(
-            &"no ST map; it needs to be OpenEXR with the channels R and G, or u and v, as `warp --stmap` writes it",
-        ));
-    };
-    let (width, height) = (display.width() as f64, display.height() as f64);
-    PixelMap::from_positions(raster.window(), |column, row| {
-        let pixel = raster.pixel(column, row);
-        let at = |channel: usize| pixel.get(channel).map_or(f64::NAN, |&s| f64::from(s));
-        let (u, v) = (at(u), at(v));
-        if (u, v) == (-1.0, -1.0) {
-            return DVec2::NAN;
-        }
-        display.corner() + dvec2(u * width, (1.0 - v) * height)
-    })
-    .map_err(|error| wrong(&error))
-}
-
-/// How far each source pixel moves, in pixels, v going up. Pixels that go nowhere have 0.
-fn motion(
-    forward: &dyn Deformation<Plane>,
-    window: Window,
-    display: Window,
-) -> Result<ImageFile, Failure> {
-    let map = PixelMap::from_deformation(forward, window).map_err(Failure::new)?;
-    let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
-    let offsets = map.offsets().iter();
-    let samples = offsets
-        .flat_map(|&[x, y]| [finite(x), finite(-y)])
-        .collect();
-    let raster = Raster::from_samples(window, 2, samples).map_err(Failure::new)?;
-    let raster = raster.with_display(display);
-    ImageFile::data(&raster, &["forward.u", "forward.v"]).map_err(Failure::new)
-}
-
 /// The format to be written.
 fn output_format(job: &Job, image: &ImageFile) -> Result<ImageFormat, Failure> {
     if let Some(format) = named_format(&job.output) {
@@ -524,25 +463,67 @@ fn output_format(job: &Job, image: &ImageFile) -> Result<ImageFormat, Failure> {
     Ok(image.format())
 }
 
-/// Warps one image.
-pub(super) fn warp(job: &Job, run: &Run<'_>, bytes: &[u8]) -> Result<(), Failure> {
-    let options = run.options;
-    let name = files::shown(&job.model);
-    let drawing = Drawing::of(&options.image)?;
-    check(job, options)?;
-    let wrong = |error: &dyn core::fmt::Display| Failure::new(format!("{name}: {error}"));
-    let limits = if options.image.allow_large {
+/// Reads an image within the limits that are allowed.
+pub(super) fn decoded(
+    name: &str,
+    bytes: &[u8],
+    options: &ImageOptions,
+) -> Result<ImageFile, Failure> {
+    let limits = if options.allow_large {
         ImageLimits::NONE
     } else {
         ImageLimits::of_file(bytes.len())
     };
-    let mut image = ImageFile::read(bytes, limits).map_err(|error| {
-        let mut message = error.to_string();
+    ImageFile::read(bytes, limits).map_err(|error| {
+        let mut message = format!("{name}: {error}");
         if matches!(error, anamorph_io::images::ImageError::TooLarge { .. }) {
             message.push_str(" with --allow-large");
         }
-        wrong(&message)
-    })?;
+        Failure::new(message)
+    })
+}
+
+/// The picture before and after, with the warp's features, and a grid that moves along.
+fn preview(
+    run: &Run<'_>,
+    built: &BuiltRecipe<Plane>,
+    ways: &Ways,
+    inverted: bool,
+    shown: Window,
+    [before, after]: [&Raster; 2],
+) -> Result<Vec<u8>, Failure> {
+    let view = &run.options.view;
+    let size = view.size.unwrap_or((1600, 900));
+    let mut panels = Panels::new(size, view.theme, shown, 2)?;
+    panels.image(0, before)?;
+    panels.image(1, after)?;
+    let over = before.window();
+    panels.grid(0, over, &Affine::IDENTITY);
+    if run.options.image.from_stmap.is_none() {
+        panels.grid(1, over, ways.forward.as_ref());
+    }
+    let (mut sources, mut targets) = picture::marks(built);
+    if inverted {
+        std::mem::swap(&mut sources, &mut targets);
+    }
+    panels.marks(0, &sources);
+    panels.marks(1, &targets);
+    panels.png()
+}
+
+/// Warps the image that a file holds.
+pub(super) fn warp(job: &Job, run: &Run<'_>, bytes: &[u8]) -> Result<(), Failure> {
+    check(job, run.options)?;
+    let image = decoded(&files::shown(&job.model), bytes, &run.options.image)?;
+    warp_image(job, run, image)
+}
+
+/// Warps an image.
+pub(super) fn warp_image(job: &Job, run: &Run<'_>, mut image: ImageFile) -> Result<(), Failure> {
+    let options = run.options;
+    let name = files::shown(&job.model);
+    let drawing = Drawing::of(&options.image)?;
+    let wrong = |error: &dyn core::fmt::Display| Failure::new(format!("{name}: {error}"));
     let format = output_format(job, &image)?;
     run.beside
         .refuse_replacing(job.results().map(|(path, _)| path))?;
@@ -564,6 +545,8 @@ pub(super) fn warp(job: &Job, run: &Run<'_>, bytes: &[u8]) -> Result<(), Failure
     let source = sources.into_iter().flatten().next().unwrap_or(display);
     let given = options.image.from_stmap.as_deref();
     let given = given.map(|path| read_stmap(path, display)).transpose()?;
+    let before = job.preview.as_ref().map(|_| image.light()).transpose();
+    let before = before.map_err(|error| wrong(&error))?;
     let drawn = draw(&mut image, &ways, &drawing, given)?;
 
     let mut files = Vec::new();
@@ -595,6 +578,18 @@ pub(super) fn warp(job: &Job, run: &Run<'_>, bytes: &[u8]) -> Result<(), Failure
     if let Some(path) = &options.image.motion_vectors {
         let vectors = motion(ways.forward.as_ref(), source, display)?;
         contents.push((begin(path)?, exr(&vectors)?));
+    }
+    if let (Some(path), Some(before)) = (&job.preview, &before) {
+        let after = image.light().map_err(|error| wrong(&error))?;
+        let shown = if options.image.grow {
+            display
+                .union(&after.window())
+                .map_err(|error| wrong(&error))?
+        } else {
+            display
+        };
+        let png = preview(run, &built, &ways, inverted, shown, [before, &after])?;
+        contents.push((begin(path)?, png));
     }
     if let Some(path) = &job.report {
         let value = report(job, &built, &image, format, &drawing, &drawn, &lost);
@@ -769,6 +764,9 @@ fn summary(
         .flatten()
     {
         say!("  map {}", path.display());
+    }
+    if let Some(path) = &job.preview {
+        say!("  preview {}", path.display());
     }
     if let Some(path) = &job.report {
         say!("  report {}", path.display());

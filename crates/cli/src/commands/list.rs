@@ -8,6 +8,7 @@ use anamorph_curves::eases::{self, EaseEntry, Setting};
 use anamorph_curves::families::registry::{FAMILIES, Family};
 use anamorph_curves::orientation::registry::{MODIFIERS, ORIENTATIONS, Parameter};
 use anamorph_fields::FALLOFFS;
+use anamorph_io::images::ImageFormat;
 use anamorph_recipe::KEYED;
 use anamorph_warps::registry;
 use serde_json::{Value, json};
@@ -84,18 +85,28 @@ fn rows(kind: ListKind) -> Vec<Row> {
         ListKind::Curves => FAMILIES.iter().map(family).collect(),
         ListKind::Eases => eases::registry().iter().map(ease).collect(),
         ListKind::Orientations => orientations(),
-        ListKind::Formats => anamorph_io::formats()
-            .iter()
-            .map(|format| Row {
-                name: format.name().to_owned(),
-                summary: format!("{} (.{})", format.title(), format.extensions().join(", .")),
-                json: json!({
-                    "name": format.name(),
-                    "title": format.title(),
-                    "extensions": format.extensions(),
-                }),
-            })
-            .collect(),
+        ListKind::Formats => {
+            let models = anamorph_io::formats().iter();
+            let models = models.map(|f| format(f.name(), f.title(), f.extensions(), "model"));
+            let images = ImageFormat::ALL.into_iter();
+            let images = images.map(|f| format(f.name(), f.title(), f.extensions(), "image"));
+            models.chain(images).collect()
+        }
+    }
+}
+
+/// A format; `holds` says what files of it are.
+fn format(name: &str, title: &str, extensions: &[&str], holds: &str) -> Row {
+    let image = if holds == "image" { ", an image" } else { "" };
+    Row {
+        name: name.to_owned(),
+        summary: format!("{title}{image} (.{})", extensions.join(", .")),
+        json: json!({
+            "name": name,
+            "title": title,
+            "extensions": extensions,
+            "holds": holds,
+        }),
     }
 }
 

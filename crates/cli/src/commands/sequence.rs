@@ -23,7 +23,7 @@ pub(super) fn is_finished(path: &Path) -> bool {
 }
 
 /// Refuses names by which any frame would replace what it is made from.
-fn refuse_inputs(
+pub(super) fn refuse_inputs(
     model: &Path,
     run: &Run<'_>,
     frames: &Frames,
@@ -61,6 +61,11 @@ impl Record {
             Points::Plane(points) => Fingerprint::of(points),
             Points::Solid(points) => Fingerprint::of(points),
         };
+        Self::new(model, run, frames)
+    }
+
+    /// Of a model with that fingerprint.
+    pub(super) fn new(model: Fingerprint, run: &Run<'_>, frames: &Frames) -> Self {
         Self(json!({
             "anamorph": "frames",
             "model": format!("{:016x}", model.0),
@@ -69,6 +74,12 @@ impl Record {
             "frames": frames.count(),
             "first": frames.first(),
         }))
+    }
+
+    /// The same with one thing more that the frames depend on.
+    pub(super) fn with(mut self, name: &str, value: Value) -> Self {
+        self.0[name] = value;
+        self
     }
 
     /// Whether the record that is there says the same; frames that exist and are not of this making are refused.

@@ -4,6 +4,7 @@ use super::animation;
 use super::bind::bound_stack;
 use super::frames::{self, Frames, Pattern};
 use super::image;
+use super::image_frames;
 use super::jobs::{Job, is_folder, jobs};
 use super::promises::{fold, promises, to_json};
 use super::sequence::warp_frames;
@@ -34,14 +35,11 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
         frames::check(options)?;
     }
     let jobs = jobs(options)?;
+    let of_image = jobs.iter().any(|job| image::is_image(&job.model));
     if frames.is_some() {
-        if let Some(job) = jobs.iter().find(|job| image::is_image(&job.model)) {
-            return Err(Failure::usage(format!(
-                "{}: --frames of an image is not built; warp it once for each value of the recipe, with --set",
-                job.model.display()
-            )));
+        if !of_image {
+            image::refuse_options(options)?;
         }
-        image::refuse_options(options)?;
     }
     if options.preview.is_some() {
         picture::check(&options.view, options.turntable.is_some())
@@ -81,6 +79,7 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     };
     let mut made = Vec::new();
     let result = pool.install(|| match &frames {
+        Some(frames) if of_image => image_frames::warp_frames(&jobs[0], &run, frames),
         Some(frames) if Pattern::is_animation(&jobs[0].output) => {
             animation::animate(&jobs[0], &run, frames)
         }

@@ -18,6 +18,7 @@ mod chunks;
 mod codes;
 mod convert;
 mod error;
+mod light;
 mod openexr;
 mod y4m;
 
@@ -243,6 +244,17 @@ impl ImageFile {
     /// What the file holds that is neither read nor kept, in words.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+    /// How the samples of a layer are packed, in OpenEXR, whose layers differ in it; none in other formats.
+    pub fn compression(&self, layer: usize) -> Option<String> {
+        match &self.kept {
+            Kept::OpenExr(kept) => kept.compression(layer),
+            Kept::Codes(_) => None,
+        }
+    }
+    /// Whether a colour profile is embedded.
+    pub fn has_profile(&self) -> bool {
+        matches!(&self.kept, Kept::Codes(kept) if kept.profile.is_some())
     }
     /// Whether any layer has alpha.
     pub fn has_alpha(&self) -> bool {

@@ -14,12 +14,21 @@ use exr::prelude::{
     WritableImage, f16, read as reading,
 };
 use std::io::Cursor;
+use std::ops::Range;
 
 type Exr = Image<Layers<AnyChannels<FlatSamples>>>;
 
 /// The file without its samples.
 #[derive(Debug, Clone)]
 pub(super) struct Kept(Exr);
+
+impl Kept {
+    /// What packs the samples of a layer.
+    pub(super) fn compression(&self, layer: usize) -> Option<String> {
+        let layer = self.0.layer_data.get(layer)?;
+        Some(layer.encoding.compression.to_string())
+    }
+}
 
 fn failed(error: exr::error::Error) -> ImageError {
     let format = ImageFormat::OpenExr.title();
@@ -139,39 +148,122 @@ fn read_layer(
     };
     let (mut numbers, mut identifiers) = (raster(mixed)?, raster(2 * wholes)?);
     let mut channels = Vec::new();
-    let (mut at, mut at_whole) = (0, 0);
+    let (mut mixed, mut whole) = (Vec::new(), Vec::new());
     for channel in list.iter_mut() {
         let none = FlatSamples::F32(Vec::new());
-        let sample = match std::mem::replace(&mut channel.sample_data, none) {
-            FlatSamples::F16(values) => {
-                spread(numbers.as_mut(), at, values.into_iter().map(f16::to_f32));
-                at += 1;
-                SampleType::Half
-            }
-            FlatSamples::F32(values) => {
-                spread(numbers.as_mut(), at, values.into_iter());
-                at += 1;
-                SampleType::Float32
-            }
-            FlatSamples::U32(values) => {
-                let half = |shift: u32| {
-                    let of = move |&v: &u32| (v >> shift & 0xffff) as f32;
-                    values.iter().map(of)
-                };
-                spread(identifiers.as_mut(), 2 * at_whole, half(16));
-                spread(identifiers.as_mut(), 2 * at_whole + 1, half(0));
-                at_whole += 1;
-                SampleType::Integer32
-            }
+        let samples = std::mem::replace(&mut channel.sample_data, none);
+        let sample = match &samples {
+            FlatSamples::F16(_) => SampleType::Half,
+            FlatSamples::F32(_) => SampleType::Float32,
+            FlatSamples::U32(_) => SampleType::Integer32,
         };
+        if sample == SampleType::Integer32 {
+            whole.push(samples);
+        } else {
+            mixed.push(samples);
+        }
         channels.push(Channel::new(channel.name.to_string(), sample));
     }
+    interleave(numbers.as_mut(), &mixed);
+    interleave(identifiers.as_mut(), &whole);
     Ok(ImageLayer {
         name: layer.attributes.layer_name.as_ref().map(Text::to_string),
         channels,
         raster: numbers,
         identifiers,
     })
+}
+
+/// Pixels that a task reads or writes at a time: few enough for a cache, with all their channels.
+const PIXELS: usize = 4096;
+
+/// Writes one channel of some pixels.
+fn fill(out: &mut [f32], channels: usize, channel: usize, values: impl Iterator<Item = f32>) {
+    for (pixel, value) in out.chunks_exact_mut(channels).zip(values) {
+        pixel[channel] = value;
+    }
+}
+
+/// The part of a channel that belongs to some pixels.
+fn of<'a, T>(values: &'a [T], part: &Range<usize>) -> &'a [T] {
+    values.get(part.clone()).unwrap_or_default()
+}
+
+/// Puts channels side by side, whole numbers as two each. Every task fills some pixels with all their channels, so that memory is gone
+/// through once.
+fn interleave(raster: Option<&mut Raster>, sources: &[FlatSamples]) {
+    let Some(raster) = raster else { return };
+    let channels = raster.channels();
+    let has_halves = sources.iter().any(|s| matches!(s, FlatSamples::F16(_)));
+    // All halves as numbers: looked up faster than converted one by one.
+    let halves: Vec<f32> = if has_halves {
+        (0..=u16::MAX)
+            .map(|bits| f16::from_bits(bits).to_f32())
+            .collect()
+    } else {
+        Vec::new()
+    };
+    chunks(raster.samples_mut(), PIXELS * channels, |number, out| {
+        let start = number * PIXELS;
+        let part = start..start + out.len() / channels;
+        let mut at = 0;
+        for source in sources {
+            match source {
+                FlatSamples::F16(values) => {
+                    let number = |h: &f16| halves.get(usize::from(h.to_bits())).copied();
+                    let number = |h: &f16| number(h).unwrap_or(f32::NAN);
+                    fill(out, channels, at, of(values, &part).iter().map(number));
+                    at += 1;
+                }
+                FlatSamples::F32(values) => {
+                    fill(out, channels, at, of(values, &part).iter().copied());
+                    at += 1;
+                }
+                FlatSamples::U32(values) => {
+                    for shift in [16, 0] {
+                        let half = |v: &u32| (v >> shift & 0xffff) as f32;
+                        fill(out, channels, at, of(values, &part).iter().map(half));
+                        at += 1;
+                    }
+                }
+            }
+        }
+    });
+}
+
+/// Calls `body(number, chunk)` for consecutive chunks of `size` elements, on all cores where that is asked for.
+fn chunks<T: Send>(data: &mut [T], size: usize, body: impl Fn(usize, &mut [T]) + Sync + Send) {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        data.par_chunks_mut(size)
+            .enumerate()
+            .for_each(|(number, chunk)| body(number, chunk));
+    }
+    #[cfg(not(feature = "parallel"))]
+    for (number, chunk) in data.chunks_mut(size).enumerate() {
+        body(number, chunk);
+    }
+}
+
+/// A number for each pixel, from its channels.
+fn picked<T: Clone + Send>(
+    raster: Option<&Raster>,
+    none: T,
+    pick: impl Fn(&[f32]) -> T + Sync + Send,
+) -> Vec<T> {
+    let Some(raster) = raster else {
+        return Vec::new();
+    };
+    let channels = raster.channels();
+    let mut all = vec![none; raster.samples().len() / channels];
+    chunks(&mut all, PIXELS, |number, out| {
+        let pixels = raster.samples()[number * PIXELS * channels..].chunks_exact(channels);
+        for (out, pixel) in out.iter_mut().zip(pixels) {
+            *out = pick(pixel);
+        }
+    });
+    all
 }
 
 /// Puts one channel among the others.
@@ -207,17 +299,18 @@ fn samples(layer: &ImageLayer) -> Vec<FlatSamples> {
     for channel in &layer.channels {
         if channel.sample() == SampleType::Integer32 {
             let (high, low) = (2 * at_whole, 2 * at_whole + 1);
-            let pairs = gather(identifiers, high).zip(gather(identifiers, low));
-            let whole = |(high, low): (f32, f32)| (high as u32) << 16 | (low as u32) & 0xffff;
-            all.push(FlatSamples::U32(pairs.map(whole).collect()));
+            let whole = |p: &[f32]| (p[high] as u32) << 16 | (p[low] as u32) & 0xffff;
+            all.push(FlatSamples::U32(picked(identifiers, 0, whole)));
             at_whole += 1;
             continue;
         }
-        let values = gather(numbers, at);
+        let own = at;
         at += 1;
         all.push(match channel.sample() {
-            SampleType::Half | SampleType::Code8 => FlatSamples::F16(values.map(to_half).collect()),
-            _ => FlatSamples::F32(values.collect()),
+            SampleType::Half | SampleType::Code8 => {
+                FlatSamples::F16(picked(numbers, f16::ZERO, |p| to_half(p[own])))
+            }
+            _ => FlatSamples::F32(picked(numbers, 0.0, |p| p[own])),
         });
     }
     all

@@ -30,8 +30,16 @@ enum State {
     Still,
     Derived,
     Estimated,
+    /// Estimated, and made to agree with the middles of its edges and its own.
+    Bulged,
     /// Quartered; the smallest ones evaluated pixel by pixel.
     Refined,
+}
+
+impl State {
+    fn is_estimated(self) -> bool {
+        matches!(self, Self::Estimated | Self::Bulged)
+    }
 }
 
 /// Cells of one size.
@@ -45,8 +53,13 @@ struct Cells {
     probes: Vec<u8>,
 }
 
-/// Pixels along a side of the smallest cells that are probed.
+/// Largest size of cells whose sides are probed.
+const PROBED: usize = 8;
+/// Pixels along a side that are probed; of smaller cells those that there are.
 const PROBES: [usize; 4] = [1, 3, 5, 7];
+/// What may be missing in the middles of a cell that is made to agree with them, in allowed errors: so little that what the checks
+/// between them do not see, a crease across a middle, stays within about one.
+const BULGE: f64 = 4.0;
 
 /// What all bands work on.
 pub(super) struct Work<'a> {
@@ -57,28 +70,34 @@ pub(super) struct Work<'a> {
     pub(super) coarse: &'a Coarse,
 }
 
-/// The places of a cell's checks, in quarters of it. The smallest cells have only the first five, in the middles: their sides are
-/// looked at more closely where a neighbour gives cause.
+/// The places of a cell's checks, in quarters of it: the middles, and between them. Cells of 8 pixels are checked between the middles
+/// only if those are nearly good enough, smaller ones in the middles alone: their sides are looked at more closely where a
+/// neighbour gives cause.
 const CHECKS: [(usize, usize); 9] = [
     (2, 0),
-    (0, 2),
-    (2, 2),
-    (4, 2),
     (2, 4),
+    (0, 2),
+    (4, 2),
+    (2, 2),
     (1, 1),
     (3, 1),
     (1, 3),
     (3, 3),
 ];
 
-/// The pixel along a side of the smallest cells: 0 the upper, 1 the lower, 2 the left, 3 the right one.
-fn beside(side: usize, step: usize) -> (usize, usize) {
+/// The pixel along a side of a cell: 0 the upper, 1 the lower, 2 the left, 3 the right one.
+fn beside(size: usize, side: usize, step: usize) -> (usize, usize) {
     match side {
         0 => (step, 0),
-        1 => (step, FINEST - 1),
+        1 => (step, size - 1),
         2 => (0, step),
-        _ => (FINEST - 1, step),
+        _ => (size - 1, step),
     }
+}
+
+/// How many places along a side are probed.
+fn probes(size: usize) -> usize {
+    size / 2
 }
 
 /// A band. Coordinates are pixels from the window's left and the band's top.
@@ -98,14 +117,16 @@ pub(super) struct Band<'a> {
     jacobian_places: Vec<(usize, usize)>,
     points: Vec<DVec2>,
     todo: Vec<(usize, usize)>,
+    again: Vec<(usize, usize)>,
     report: HierarchyReport,
 }
 
 /// Which cells of a band's first and last rows are refined, for each size.
 pub(super) struct Rims(Vec<[Vec<bool>; 2]>);
 
+/// The checks of a cell before anything is known of it.
 fn checks(size: usize) -> &'static [(usize, usize)] {
-    if size == FINEST {
+    if size <= PROBED {
         &CHECKS[..5]
     } else {
         &CHECKS
@@ -152,6 +173,7 @@ impl<'a> Band<'a> {
             jacobian_places: Vec::new(),
             points: Vec::new(),
             todo: Vec::new(),
+            again: Vec::new(),
             report: HierarchyReport::NOTHING,
         }
     }
@@ -168,7 +190,15 @@ impl<'a> Band<'a> {
         for level in 0..self.levels.len() {
             self.settle(level);
         }
-        self.probe();
+        for level in 0..self.levels.len() {
+            if self.levels[level].size <= PROBED {
+                self.probe(level);
+                // What was quartered then.
+                if level + 1 < self.levels.len() {
+                    self.settle(level + 1);
+                }
+            }
+        }
     }
 
     /// What the neighbouring bands need to know.
@@ -230,20 +260,59 @@ impl<'a> Band<'a> {
             self.levels[level].states[cell] = state;
         }
         self.evaluate();
+        let mut again = core::mem::take(&mut self.again);
+        again.clear();
         for &(x, y) in &todo {
-            let cell = y / size * across + x / size;
             let patch = self.patch(x, y, size);
-            let error = self.deviation(&patch, x, y, size);
-            self.levels[level].errors[cell] = error;
-            let accepted = self.accepts(&patch, error);
-            self.levels[level].states[cell] = if accepted {
-                State::Estimated
+            let error = self.deviation(&patch, x, y, size, checks(size));
+            if self.accepts(&patch, error) {
+                self.accept(level, (x, y), State::Estimated, error);
+                continue;
+            }
+            let nearly = size > FINEST
+                && self.bulged(x, y, size).largest_bubble() * self.work.options.safety
+                    <= BULGE * self.work.options.max_error;
+            if nearly {
+                again.push((x, y));
+                if size <= PROBED {
+                    for &(i, j) in &CHECKS[5..] {
+                        self.ask_value(x + i * size / 4, y + j * size / 4);
+                    }
+                }
             } else {
-                self.quarter(level, cell);
-                State::Refined
-            };
+                self.refine(level, (x, y));
+            }
         }
+        self.evaluate();
+        for &(x, y) in &again {
+            let patch = self.bulged(x, y, size);
+            let error = self.deviation(&patch, x, y, size, &CHECKS[5..]);
+            if self.accepts(&patch, error) {
+                self.accept(level, (x, y), State::Bulged, error);
+            } else {
+                self.refine(level, (x, y));
+            }
+        }
+        self.again = again;
         self.todo = todo;
+    }
+
+    /// The number of the cell of a level that begins there.
+    fn cell(&self, level: usize, (x, y): (usize, usize)) -> usize {
+        let Cells { size, across, .. } = self.levels[level];
+        y / size * across + x / size
+    }
+
+    fn accept(&mut self, level: usize, place: (usize, usize), state: State, error: f64) {
+        let cell = self.cell(level, place);
+        self.levels[level].states[cell] = state;
+        self.levels[level].errors[cell] = error;
+    }
+
+    fn refine(&mut self, level: usize, place: (usize, usize)) {
+        let cell = self.cell(level, place);
+        self.levels[level].states[cell] = State::Refined;
+        self.quarter(level, cell);
     }
 
     /// Makes the quarters of a cell fresh.
@@ -260,48 +329,52 @@ impl<'a> Band<'a> {
         }
     }
 
-    /// Looks closer at the smallest cells next to such that are evaluated pixel by pixel: along the common side, where what
-    /// made that necessary there may reach a little way in.
-    fn probe(&mut self) {
-        let last = self.levels.len() - 1;
-        let across = self.levels[last].across;
+    /// Looks closer at small cells next to such that are quartered or evaluated pixel by pixel: along the common side, where what made
+    /// that necessary there may reach a little way in.
+    fn probe(&mut self, level: usize) {
+        let Cells { size, across, .. } = self.levels[level];
         let mut cells = core::mem::take(&mut self.todo);
         let mut points = core::mem::take(&mut self.points);
         cells.clear();
         points.clear();
-        for cell in 0..self.levels[last].states.len() {
-            let sides = self.levels[last].probes[cell];
+        let steps = &PROBES[..probes(size)];
+        for cell in 0..self.levels[level].states.len() {
+            let sides = self.levels[level].probes[cell];
             let sides = sides & !(sides >> 4) & 15;
-            if sides == 0 || self.levels[last].states[cell] != State::Estimated {
+            if sides == 0 || !self.levels[level].states[cell].is_estimated() {
                 continue;
             }
-            self.levels[last].probes[cell] |= sides << 4;
-            let (x, y) = (cell % across * FINEST, cell / across * FINEST);
+            self.levels[level].probes[cell] |= sides << 4;
+            let (x, y) = (cell % across * size, cell / across * size);
             for side in (0..4).filter(|side| sides >> side & 1 == 1) {
                 cells.push((cell, side));
-                let places = PROBES.map(|step| beside(side, step));
+                let places = steps.iter().map(|&step| beside(size, side, step));
                 points.extend(places.map(|(i, j)| self.place((x + i, y + j))));
             }
         }
         let _ = self.work.deformation.map_points(0, &mut points);
         self.report.evaluations += points.len();
-        let (fours, _) = points.as_chunks::<4>();
-        for (&(cell, side), moved) in cells.iter().zip(fours) {
-            let (x, y) = (cell % across * FINEST, cell / across * FINEST);
-            let patch = self.patch(x, y, FINEST);
-            let mut largest = self.levels[last].errors[cell];
-            for (step, moved) in PROBES.into_iter().zip(moved) {
-                let (i, j) = beside(side, step);
-                let share = |i: usize| i as f64 / FINEST as f64;
+        for (&(cell, side), moved) in cells.iter().zip(points.chunks_exact(steps.len())) {
+            let (x, y) = (cell % across * size, cell / across * size);
+            // Another side may have decided already.
+            let state = self.levels[level].states[cell];
+            if !state.is_estimated() {
+                continue;
+            }
+            let patch = self.chosen(state, x, y, size);
+            let mut largest = self.levels[level].errors[cell];
+            for (&step, moved) in steps.iter().zip(moved) {
+                let (i, j) = beside(size, side, step);
+                let share = |i: usize| i as f64 / size as f64;
                 let exact = *moved - self.place((x + i, y + j));
                 let error = patch.value(share(i), share(j)).distance(exact);
                 if error > largest || error.is_nan() {
                     largest = error;
                 }
             }
-            self.levels[last].errors[cell] = largest;
+            self.levels[level].errors[cell] = largest;
             if !self.accepts(&patch, largest) {
-                self.levels[last].states[cell] = State::Refined;
+                self.refine(level, (x, y));
             }
         }
         self.todo = cells;
@@ -313,21 +386,24 @@ impl<'a> Band<'a> {
         error * options.safety + patch.rounding() <= options.max_error
     }
 
-    /// Asks for a closer look at a cell along a side. Whether nobody has asked before.
-    fn expose(&mut self, column: usize, row: usize, side: usize) -> bool {
-        let Some(cells) = self.levels.last_mut() else {
-            return false;
-        };
+    /// Asks for a closer look at a cell along a side, or at the larger one in its place. Whether nobody has asked before.
+    fn expose(&mut self, level: usize, column: usize, row: usize, side: usize) -> bool {
+        let cells = &mut self.levels[level];
         let cell = row * cells.across + column;
-        let fresh = cells.states[cell] == State::Estimated && cells.probes[cell] >> side & 1 == 0;
-        if fresh {
-            cells.probes[cell] |= 1 << side;
+        match cells.states[cell] {
+            State::Absent if level > 0 => self.expose(level - 1, column / 2, row / 2, side),
+            state if state.is_estimated() && cells.size <= PROBED => {
+                let fresh = cells.probes[cell] >> side & 1 == 0;
+                cells.probes[cell] |= 1 << side;
+                fresh
+            }
+            _ => false,
         }
-        fresh
     }
 
-    /// Quarters cells next to refined ones, also of the bands above and below, that are more than twice as large as their
-    /// quarters. Whether there were any.
+    /// Quarters cells next to quartered ones, also of the bands above and below, that are more than twice as large as their
+    /// quarters, and asks for a closer look at small ones next to such that are quartered or evaluated pixel by pixel. Whether there
+    /// were any.
     pub(super) fn grade(&mut self, above: Option<&Rims>, below: Option<&Rims>) -> bool {
         let mut changed = false;
         let last = self.levels.len() - 1;
@@ -335,13 +411,21 @@ impl<'a> Band<'a> {
             let across = self.levels[level].across;
             let rows = self.levels[level].states.len() / across;
             let near = |column: usize| column.saturating_sub(1)..(column + 2).min(across);
+            // Next to pixels there may be cells of twice the smallest size.
+            let least = if level == last {
+                level.saturating_sub(1)
+            } else {
+                level
+            };
+            let shift = level - least;
+            let small = self.levels[level].size <= PROBED;
             for (rims, side, row) in [(above, 1, 0), (below, 0, rows - 1)] {
                 let Some(rims) = rims else { continue };
                 for column in (0..across).filter(|&column| rims.0[level][side][column]) {
                     for x in near(column) {
-                        changed |= self.present(level, x, row);
+                        changed |= self.present(least, x >> shift, row >> shift);
                     }
-                    changed |= level == last && self.expose(column, row, 1 - side);
+                    changed |= small && self.expose(level, column, row, 1 - side);
                 }
             }
             for cell in 0..across * rows {
@@ -351,15 +435,15 @@ impl<'a> Band<'a> {
                 let (column, row) = (cell % across, cell / across);
                 for y in row.saturating_sub(1)..(row + 2).min(rows) {
                     for x in near(column) {
-                        changed |= self.present(level, x, y);
+                        changed |= self.present(least, x >> shift, y >> shift);
                     }
                 }
-                if level == last {
+                if small {
                     let (up, left) = (row.checked_sub(1), column.checked_sub(1));
-                    changed |= up.is_some_and(|up| self.expose(column, up, 1));
-                    changed |= row + 1 < rows && self.expose(column, row + 1, 0);
-                    changed |= left.is_some_and(|left| self.expose(left, row, 3));
-                    changed |= column + 1 < across && self.expose(column + 1, row, 2);
+                    changed |= up.is_some_and(|up| self.expose(level, column, up, 1));
+                    changed |= row + 1 < rows && self.expose(level, column, row + 1, 0);
+                    changed |= left.is_some_and(|left| self.expose(level, left, row, 3));
+                    changed |= column + 1 < across && self.expose(level, column + 1, row, 2);
                 }
             }
         }
@@ -375,7 +459,7 @@ impl<'a> Band<'a> {
         let mut changed = self.present(level - 1, column / 2, row / 2);
         let parents = &mut self.levels[level - 1];
         let parent = row / 2 * parents.across + column / 2;
-        if parents.states[parent] == State::Estimated {
+        if parents.states[parent].is_estimated() {
             parents.states[parent] = State::Refined;
             self.quarter(level - 1, parent);
             changed = true;
@@ -484,10 +568,34 @@ impl<'a> Band<'a> {
         Patch::new(values, jacobians, size)
     }
 
-    /// The largest error of a cell's interpolant where it is checked; not a number where the map is not.
-    fn deviation(&self, patch: &Patch, x: usize, y: usize, size: usize) -> f64 {
+    /// The patch that agrees with the middles, too.
+    fn bulged(&self, x: usize, y: usize, size: usize) -> Patch {
+        let middle = |(i, j): (usize, usize)| self.value(x + i * size / 4, y + j * size / 4);
+        let edges = [CHECKS[0], CHECKS[1], CHECKS[2], CHECKS[3]].map(middle);
+        self.patch(x, y, size)
+            .with_middles(edges, middle(CHECKS[4]))
+    }
+
+    /// The patch of an estimated cell.
+    fn chosen(&self, state: State, x: usize, y: usize, size: usize) -> Patch {
+        if state == State::Bulged {
+            self.bulged(x, y, size)
+        } else {
+            self.patch(x, y, size)
+        }
+    }
+
+    /// The largest error of a cell's interpolant at these checks; not a number where the map is not.
+    fn deviation(
+        &self,
+        patch: &Patch,
+        x: usize,
+        y: usize,
+        size: usize,
+        checks: &[(usize, usize)],
+    ) -> f64 {
         let mut largest = 0.0_f64;
-        for &(i, j) in checks(size) {
+        for &(i, j) in checks {
             let exact = self.value(x + i * size / 4, y + j * size / 4);
             let error = patch.value(i as f64 / 4.0, j as f64 / 4.0).distance(exact);
             if error > largest || error.is_nan() {
@@ -527,7 +635,7 @@ impl<'a> Band<'a> {
                         continue;
                     }
                     State::Derived => self.report.derived_pixels += pixels,
-                    State::Estimated => self.report.estimated_pixels += pixels,
+                    State::Estimated | State::Bulged => self.report.estimated_pixels += pixels,
                 }
                 let patch = if state == State::Derived {
                     let corners = Self::corners(x, y, size);
@@ -539,8 +647,13 @@ impl<'a> Band<'a> {
                     let error = self.levels[level].errors[cell];
                     self.report.measured = self.report.measured.max(error);
                     let probed = (self.levels[level].probes[cell] >> 4).count_ones() as usize;
-                    self.report.checks += checks(size).len() + PROBES.len() * probed;
-                    self.patch(x, y, size)
+                    let checked = if state == State::Bulged {
+                        CHECKS.len()
+                    } else {
+                        checks(size).len()
+                    };
+                    self.report.checks += checked + probes(size) * probed;
+                    self.chosen(state, x, y, size)
                 };
                 patch.draw(size, columns, &mut out[y * stride + x..], stride);
             }

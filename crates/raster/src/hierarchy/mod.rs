@@ -6,21 +6,23 @@
 //! of one size.
 //!
 //! The window is covered by square cells of the coarsest size. A cell whose interpolant is not known to be good enough is
-//! quartered, down to cells of 8 pixels, and those are evaluated pixel by pixel. A cell is accepted, in this order,
+//! quartered, down to cells of 4 pixels, and those are evaluated pixel by pixel. A cell is accepted, in this order,
 //!
 //! - *still*, where it lies outside the deformation's support: exactly the identity;
 //! - *derived*, where a bound of the deformation's derivatives bounds the error of interpolating between its corners: with
 //!   `‖J − I‖ ≤ L` ([`Facts::stretch`](anamorph_core::Facts::stretch)) of a continuous deformation by `L·h/√2`, `h` the cell's size,
 //!   because the weights' mean distance to the corners is at most that; with second derivatives of at most `K` by `K·h²/4`;
-//! - *estimated*, where nine evaluations (five in the smallest cells) between the corners, among them the middles of the edges and
-//!   of the cell, where the error of smooth maps is largest, differ by at most the allowed error over a safety factor.
+//! - *estimated*, where nine evaluations (five in cells of 8 and 4 pixels) between the corners, among them the middles of the edges and
+//!   of the cell, where the error of smooth maps is largest, differ by at most the allowed error over a safety factor; or, but for the
+//!   smallest cells, where the middles differ by no more than four times that, and a patch that is made to agree with them (quartic
+//!   along the edges, one order better) agrees with four evaluations between them.
 //!
 //! An estimate can miss what is smaller than the distance of the evaluations, a quarter of a cell (half of the smallest).
 //! Therefore cells are at most 32 pixels large; cells that meet the support are at most an eighth of the support's size; cells on
-//! an edge of the support where the deformation is not smooth are evaluated pixel by pixel; a cell is never larger than a
-//! refined neighbour, so that a crease that a cell misses has been seen by the cells that it comes from; and the smallest
-//! cells are looked at again along the sides that they share with cells evaluated pixel by pixel. The allowed error holds
-//! pixel by pixel in each cell, so also where cells of different sizes meet; there the map can step by at most twice that.
+//! an edge of the support where the deformation is not smooth are evaluated pixel by pixel; a cell of 8 pixels or more is never larger
+//! than a refined neighbour, so that a crease that a cell misses has been seen by the cells that it comes from; and cells of 8 and 4
+//! pixels are looked at again along the sides that they share with cells that are quartered or evaluated pixel by pixel. The allowed error
+//! holds pixel by pixel in each cell, so also where cells of different sizes meet; there the map can step by at most twice that.
 //!
 //! Every evaluation that a finer cell can use again is kept: the checks of a cell are corners and checks of its quarters. Only along
 //! the rows where two bands of 64 rows meet, each a task of its own, may finer cells evaluate the same place twice.
@@ -39,8 +41,9 @@ use coarse::Coarse;
 use knowledge::Knowledge;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Size of the smallest cells. A cell of 4 pixels would cost 11 evaluations, 2 Jacobian differences among them, for 16 pixels.
-const FINEST: usize = 8;
+/// Size of the smallest cells: 4 pixels cost up to 5 evaluations more than the cell of 8 that they are of, 2 Jacobian differences among them, for
+/// 16 pixels.
+const FINEST: usize = 4;
 
 /// How fine a hierarchical map is.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,7 +17,7 @@ use anamorph_core::glam::{DMat2, DVec2, dvec2};
 
 /// The longer axis is at most this many times the shorter: beyond it the picture is blurred across rather than more
 /// samples taken. Visible only on planes seen almost edge on.
-const SLIMMEST: f64 = 8.0;
+pub(super) const SLIMMEST: f64 = 8.0;
 /// The shorter semi-axis on the level that is read is below this, in pixels of that level. Half of it is left after the step
 /// to a level: the level's own squares then make up less than a tenth of the filter's variance.
 const WIDEST: f64 = 3.0;
@@ -26,10 +26,10 @@ const WIDEST: f64 = 3.0;
 /// shorter semi-axis.
 #[derive(Clone, Copy)]
 pub(super) struct Ellipse {
-    xx: f64,
-    xy: f64,
-    yy: f64,
-    short: f64,
+    pub(super) xx: f64,
+    pub(super) xy: f64,
+    pub(super) yy: f64,
+    pub(super) short: f64,
 }
 
 impl Ellipse {

@@ -196,14 +196,16 @@ fn bilinear(t: f64, weights: &mut [f64; TAPS]) {
     weights[1] = t;
 }
 
-fn catmull_rom(t: f64, weights: &mut [f64; TAPS]) {
+#[inline(always)]
+pub(super) fn catmull_rom(t: f64, weights: &mut [f64; TAPS]) {
     weights[0] = ((2.0 - t) * t - 1.0) * t * 0.5;
     weights[1] = ((3.0 * t - 5.0) * t * t + 2.0) * 0.5;
     weights[2] = ((4.0 - 3.0 * t) * t + 1.0) * t * 0.5;
     weights[3] = (t - 1.0) * t * t * 0.5;
 }
 
-fn mitchell(t: f64, weights: &mut [f64; TAPS]) {
+#[inline(always)]
+pub(super) fn mitchell(t: f64, weights: &mut [f64; TAPS]) {
     // Their eq. (8) with B = C = 1/3.
     let inner = |x: f64| ((7.0 * x - 12.0) * x * x + 16.0 / 3.0) / 6.0;
     let outer = |x: f64| (((-7.0 / 3.0 * x + 12.0) * x - 20.0) * x + 32.0 / 3.0) / 6.0;

@@ -8,6 +8,7 @@
 //! centre every interpolating filter gives that pixel, bit for bit.
 
 mod edge;
+mod ellipses;
 mod elliptical;
 mod filter;
 mod pyramid;
@@ -19,6 +20,7 @@ pub use filter::Filter;
 use crate::Raster;
 use anamorph_core::glam::{DMat2, DVec2, dvec2};
 use anamorph_core::simd::{Level, dispatch};
+pub(crate) use ellipses::Around;
 use elliptical::Ellipse;
 use filter::Kernel;
 use pyramid::Pyramid;
@@ -111,7 +113,7 @@ impl<'a> Sampler<'a> {
         &self,
         first: DVec2,
         offsets: &[[f32; 2]],
-        jacobian: impl Fn(usize) -> DMat2,
+        around: &Around<'_>,
         out: &mut [f32],
     ) {
         let channels = self.raster.channels();
@@ -138,12 +140,35 @@ impl<'a> Sampler<'a> {
             }
             if self.filter == Filter::BILINEAR {
                 quick!(2, |t| [1.0 - t, t], 1 2 3 4);
-            } else if taps == 4 {
-                quick!(4, |t| first_weights(weights, t), 1 2 3 4);
+            } else if self.filter == Filter::CATMULL_ROM {
+                quick!(4, |t| first_weights(filter::catmull_rom, t), 1 2 3 4);
+            } else if self.filter == Filter::MITCHELL {
+                quick!(4, |t| first_weights(filter::mitchell, t), 1 2 3 4);
             } else if taps == 6 {
                 quick!(6, |t| first_weights(weights, t), 1 2 3 4);
             }
         }
+        if let (Kernel::Elliptical, Some(pyramid)) = (self.filter.kernel(), &self.pyramid) {
+            let slow = |at: DVec2, ellipse: &Ellipse, pixel: &mut [f32]| {
+                if at.is_finite() {
+                    elliptical::filtered(&grid, pyramid, at, ellipse, pixel);
+                } else {
+                    pixel.fill(0.0);
+                }
+            };
+            macro_rules! quick {
+                ($($channels:literal)*) => {
+                    match channels {
+                        $($channels => return ellipses::row::<$channels>(
+                            &grid, first, offsets, around, out, slow,
+                        ),)*
+                        _ => {}
+                    }
+                };
+            }
+            quick!(1 3 4);
+        }
+        let jacobian = |column: usize| around.jacobian(column, offsets);
         let pixels = positions.enumerate().zip(out.chunks_exact_mut(channels));
         // With the processor's widest vectors; their operations are the same as without.
         dispatch!(Level::new(), _v => self.one_by_one(pixels, jacobian));
@@ -151,8 +176,11 @@ impl<'a> Sampler<'a> {
 }
 
 /// The first weights of a filter.
-#[inline]
-fn first_weights<const T: usize>(weights: filter::Weights, t: f32) -> [f32; T] {
+#[inline(always)]
+fn first_weights<const T: usize>(
+    weights: impl Fn(f64, &mut [f64; filter::TAPS]),
+    t: f32,
+) -> [f32; T] {
     let mut list = [0.0; filter::TAPS];
     weights(f64::from(t), &mut list);
     core::array::from_fn(|tap| list[tap] as f32)

@@ -3,7 +3,11 @@
 use super::edge::Edge;
 use super::filter::{TAPS, Weights};
 use anamorph_core::glam::DVec2;
-use anamorph_core::simd::{Level, dispatch};
+use anamorph_core::simd::{
+    Level, Simd, dispatch,
+    fearless_simd::{f32x4, f32x8, i32x8},
+    prelude::*,
+};
 
 /// Beyond this magnitude every position is a pixel's corner, and counting in whole numbers would overflow.
 const FAR: f64 = (1_i64 << 52) as f64;
@@ -165,7 +169,7 @@ pub(super) fn row<const T: usize, const N: usize>(
         return;
     }
     // With the processor's widest vectors; their operations are the same as without.
-    dispatch!(Level::new(), _v => runs::<T, N>(grid, weights, first, offsets, pixels, slow));
+    dispatch!(Level::new(), v => runs::<_, T, N>(v, grid, weights, first, offsets, pixels, slow));
 }
 
 /// Where the pixel with that number comes from.
@@ -182,7 +186,8 @@ const NEAR: f32 = 1.0 / (1 << 20) as f32;
 const WIDE: f32 = (1 << 24) as f32;
 
 #[inline(always)]
-fn runs<const T: usize, const N: usize>(
+fn runs<V: Simd, const T: usize, const N: usize>(
+    v: V,
     grid: &Grid<'_>,
     weights: impl Fn(f32) -> [f32; T],
     first: DVec2,
@@ -198,56 +203,93 @@ fn runs<const T: usize, const N: usize>(
         first.x.floor() as i32 - before,
         first.y.floor() as i32 - before,
     );
-    let (most_x, most_y) = (width - T as i32, height - T as i32);
+    let (number, whole) = (|x: f32| f32x8::splat(v, x), |x: i32| i32x8::splat(v, x));
+    let (none, zero) = (whole(-1), whole(0));
+    let (most_x, most_y) = (whole(width - T as i32), whole(height - T as i32));
+    let (near, far) = (number(NEAR), number(1.0 - NEAR));
+    let ahead = i32x8::from_fn(v, |lane| lane as i32);
     // First tap or −1, and what is left across and down.
     let (mut from, mut across, mut down) = ([0_i32; RUN], [0.0_f32; RUN], [0.0_f32; RUN]);
+    let (mut us, mut vs) = ([0.0_f32; RUN], [0.0_f32; RUN]);
     let runs = pixels.chunks_mut(RUN).zip(offsets.chunks(RUN));
-    for (number, (pixels, offsets)) in runs.enumerate() {
-        let start = number * RUN;
-        let left = left + start as i32;
-        // A fixed number and no branches, so that the compiler takes many at a time.
-        let mut run = [[0.0_f32; 2]; RUN];
-        run[..offsets.len()].copy_from_slice(offsets);
-        for i in 0..RUN {
+    for (number_of_run, (pixels, offsets)) in runs.enumerate() {
+        let start = number_of_run * RUN;
+        for ((u, v), offset) in us.iter_mut().zip(&mut vs).zip(offsets) {
+            [*u, *v] = *offset;
+        }
+        let mut all = true;
+        for at in (0..RUN).step_by(8) {
             // Wide offsets become whole numbers, which go the slow way like all that are not between pixels.
-            let [u, v] = run[i].map(|offset| offset.clamp(-WIDE, WIDE));
-            let (whole_u, whole_v) = (u.floor(), v.floor());
-            let (s, t) = (u - whole_u, v - whole_v);
-            let between = |t: f32| (NEAR..=1.0 - NEAR).contains(&t);
-            let x = left + i as i32 + whole_u as i32;
-            let y = top + whole_v as i32;
-            let inside = (x >= 0) & (x <= most_x) & (y >= 0) & (y <= most_y);
-            let place = y.wrapping_mul(width).wrapping_add(x);
-            let usable = inside & between(s) & between(t);
-            from[i] = if usable { place } else { -1 };
-            (across[i], down[i]) = (s, t);
+            let wide = |from: &[f32]| {
+                let offset = f32x8::from_slice(v, from);
+                offset.max(number(-WIDE)).min(number(WIDE))
+            };
+            let (u, w) = (wide(&us[at..at + 8]), wide(&vs[at..at + 8]));
+            let (floor_u, floor_w) = (u.floor(), w.floor());
+            let (s, t) = (u - floor_u, w - floor_w);
+            let x = i32x8::truncate_from(floor_u) + whole(left + (start + at) as i32) + ahead;
+            let y = i32x8::truncate_from(floor_w) + whole(top);
+            let inside = x.simd_ge(zero) & x.simd_le(most_x) & y.simd_ge(zero) & y.simd_le(most_y);
+            let between = s.simd_ge(near) & s.simd_le(far) & t.simd_ge(near) & t.simd_le(far);
+            let place = (inside & between).select(y * whole(width) + x, none);
+            place.store_slice(&mut from[at..at + 8]);
+            s.store_slice(&mut across[at..at + 8]);
+            t.store_slice(&mut down[at..at + 8]);
         }
         let places = from.iter().zip(&across).zip(&down);
-        let pixels = pixels.iter_mut().zip(offsets).zip(places).enumerate();
-        for (i, ((pixel, offset), ((&from, &across), &down))) in pixels {
-            if let Ok(from) = usize::try_from(from) {
-                let (across, down) = (weights(across), weights(down));
-                // The two weights of a line are not 0 between pixels.
-                let all = T == 2 || across.iter().chain(&down).all(|&w| w != 0.0);
-                if all && let Some(value) = block(samples, from, grid.width, &across, &down) {
-                    *pixel = value;
-                    continue;
-                }
+        for (pixel, ((&from, &across), &down)) in pixels.iter_mut().zip(places) {
+            let Ok(from) = usize::try_from(from) else {
+                all = false;
+                continue;
+            };
+            let (across, down) = (weights(across), weights(down));
+            if let Some(value) = block(v, samples, from, grid.width, &across, &down) {
+                *pixel = value;
             }
-            slow(at(first, start + i, offset), pixel);
+            // The two weights of a line are not 0 between pixels.
+            all &= T == 2 || across.iter().chain(&down).all(|&w| w != 0.0);
+        }
+        if all {
+            continue;
+        }
+        let rest = pixels.iter_mut().zip(offsets).zip(&from).enumerate();
+        for (i, ((pixel, offset), &from)) in rest {
+            let weightless = || {
+                let (across, down) = (weights(across[i]), weights(down[i]));
+                T != 2 && across.iter().chain(&down).any(|&w| w == 0.0)
+            };
+            if from < 0 || weightless() {
+                slow(at(first, start + i, offset), pixel);
+            }
         }
     }
 }
 
 /// The weighted sum of `T × T` pixels from `start` on.
 #[inline(always)]
-fn block<const T: usize, const N: usize>(
+fn block<V: Simd, const T: usize, const N: usize>(
+    v: V,
     pixels: &[[f32; N]],
     start: usize,
     width: usize,
     across: &[f32; T],
     down: &[f32; T],
 ) -> Option<[f32; N]> {
+    if N == 4 {
+        // Four channels are a vector.
+        let mut total = f32x4::splat(v, 0.0);
+        for (row, down) in down.iter().enumerate() {
+            let taps = pixels.get(start + row * width..)?.first_chunk::<T>()?;
+            let mut line = f32x4::splat(v, 0.0);
+            for (tap, across) in taps.iter().zip(across) {
+                line += f32x4::from_slice(v, tap) * f32x4::splat(v, *across);
+            }
+            total += line * f32x4::splat(v, *down);
+        }
+        let mut out = [0.0; N];
+        total.store_slice(&mut out);
+        return Some(out);
+    }
     let mut total = [0.0_f32; N];
     for (row, down) in down.iter().enumerate() {
         let taps = pixels.get(start + row * width..)?.first_chunk::<T>()?;

@@ -8,6 +8,7 @@
 //! Neely's; Lerios et al. have `p = 0`, `b = 2`.
 
 use super::contact::{apart, contacts};
+use super::segments::Segments;
 use super::weights::{SAFE, SizedWeight};
 use super::{ElementError, WeightConstants, kernel};
 use anamorph_core::simd::{Level, dispatch};
@@ -57,6 +58,8 @@ impl<S: Space> Item<S> {
 pub struct ElementWarp<S: Space> {
     /// Those that have weight.
     active: Vec<Item<S>>,
+    /// The same where they are segments of the plane and none decides alone.
+    segments: Option<Segments>,
     /// Pairs and maps of all, in their order.
     all: Vec<(ElementPair<S>, Affine<S>)>,
     /// Derived once: it takes pairs of elements.
@@ -132,7 +135,13 @@ impl<S: Rotational> ElementWarp<S> {
                 idle.join(", ")
             ));
         }
-        Ok(Self { active, all, facts })
+        let segments = Segments::new(&active);
+        Ok(Self {
+            active,
+            segments,
+            all,
+            facts,
+        })
     }
 }
 
@@ -218,6 +227,12 @@ impl<S: Space> ElementWarp<S> {
         self.all.get(number).map(|(_, affine)| *affine)
     }
 
+    /// The image of a point that vectors do not serve.
+    fn one(&self, p: S) -> S {
+        self.moved(p)
+            .unwrap_or_else(|| evaluate(self, &Site::anywhere(p)))
+    }
+
     /// The image where weights are of ordinary size and none is infinite.
     #[inline]
     fn moved(&self, p: S) -> Option<S> {
@@ -240,25 +255,39 @@ impl<S: Space> ElementWarp<S> {
 
 impl<S: Space> Deformation<S> for ElementWarp<S> {
     fn map(&self, site: &Site<S>) -> S {
-        self.moved(site.point)
-            .unwrap_or_else(|| evaluate(self, site))
+        if self.segments.is_some() {
+            // The same operations for one point as for many.
+            let mut point = [site.point];
+            let _ = self.map_points(site.index, &mut point);
+            return point[0];
+        }
+        self.one(site.point)
     }
 
     fn facts(&self) -> Facts<S> {
         self.facts.clone()
     }
 
-    fn map_points(&self, first: usize, points: &mut [S]) -> Unmapped {
+    fn map_points(&self, _: usize, points: &mut [S]) -> Unmapped {
         if self.active.is_empty() {
             return Unmapped::none();
         }
+        let one = |p: S| self.one(p);
+        if let Some(segments) = &self.segments {
+            let mut odd = Vec::new();
+            let coordinates = S::coordinates_mut(points);
+            dispatch!(Level::new(), v => segments.run(v, coordinates, &mut odd));
+            for index in odd {
+                points[index] = one(points[index]);
+            }
+            return Unmapped::none();
+        }
         if self.active.iter().all(|i| i.pair.source.is_square()) {
-            let one = |p: S| self.map(&Site::anywhere(p));
             dispatch!(Level::new(), v => kernel::run(v, &self.active, points, &one));
             return Unmapped::none();
         }
-        for (i, point) in points.iter_mut().enumerate() {
-            *point = self.map(&Site::new(first + i, *point));
+        for point in points {
+            *point = self.one(*point);
         }
         Unmapped::none()
     }

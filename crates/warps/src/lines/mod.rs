@@ -17,6 +17,7 @@ mod kernel;
 pub mod local;
 #[cfg(feature = "recipe")]
 pub(crate) mod parameters;
+mod segments;
 mod weights;
 
 pub use weights::WeightConstants;

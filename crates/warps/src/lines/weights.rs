@@ -127,6 +127,11 @@ impl SizedWeight {
         }
     }
 
+    /// The logarithm of `size^(p·b)`.
+    pub(super) fn log_factor(&self) -> f64 {
+        self.constants.b * self.log_size
+    }
+
     /// The logarithm of the weight at distance `d`, finite where the weight is neither 0 nor infinite.
     pub(super) fn log(&self, d: f64) -> f64 {
         if self.constants.b == 0.0 {

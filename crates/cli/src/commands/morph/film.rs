@@ -259,7 +259,7 @@ fn seen(image: &ImageFile, lost: &mut Lost) -> Result<Picture, Failure> {
             .push("alpha: the film stands before white".to_owned());
     }
     let table = Srgb8::new();
-    let mut pixels = Vec::with_capacity(4 * raster.width() * raster.height());
+    let mut pixels = Vec::with_capacity(3 * raster.width() * raster.height());
     for pixel in raster.samples().chunks_exact(channels) {
         let beyond = if has_alpha {
             1.0 - pixel[channels - 1]
@@ -269,10 +269,9 @@ fn seen(image: &ImageFile, lost: &mut Lost) -> Result<Picture, Failure> {
         let light = |i: usize| table.encode(pixel[i] + beyond);
         let colours = if channels < 3 { [0; 3] } else { [0, 1, 2] };
         pixels.extend(colours.map(light));
-        pixels.push(255);
     }
     let size = |side: usize| u32::try_from(side).map_err(Failure::new);
-    Picture::opaque(pixels, size(raster.width())?, size(raster.height())?).map_err(Failure::new)
+    Picture::from_rgb(&pixels, size(raster.width())?, size(raster.height())?).map_err(Failure::new)
 }
 
 impl Morph<'_> {
