@@ -92,7 +92,24 @@ pub fn settings<S: Registered>() -> Vec<Setting> {
     meshes(&mut list);
     curves(&mut list);
     radial(&mut list);
+    multilevel(&mut list);
     list.all
+}
+
+fn multilevel<S: Registered>(list: &mut List<S>) {
+    let points = "point = [{ from = \"15%\", by = «\"9%\";0;\"3%\"» }, { from = «\"60%\";\"20%\";\"50%\"», by = \"7%\" }, \
+         { from = «\"62%\";\"23%\";\"47%\"» }, { from = \"85%\", by = «0;\"-6%\";\"5%\"» }]";
+    for how in [
+        "",
+        "levels = 1",
+        "levels = 4\nfaces = \"still\"",
+        "margin = 0\ntolerance = \"1%\"",
+        "levels = 3\nbox = { min = \"-20%\", max = \"130%\" }",
+        "levels = 4\none_to_one = true",
+        "levels = 2\none_to_one = true\nmargin = \"50%\"",
+    ] {
+        list.add("multilevel", &[None], &format!("{how}\n{points}"));
+    }
 }
 
 fn radial<S: Registered>(list: &mut List<S>) {
@@ -652,6 +669,12 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
             "kernel = \"multiquadric\"\nwidth = \"20%\"\naffine = false\n",
             "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }]",
             "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"», by = \"9%\" }]",
+        ),
+        (
+            "multilevel",
+            "box = { min = \"-50%\", max = \"150%\" }\n",
+            "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }]",
+            "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"», by = \"-30%\" }]",
         ),
         (
             "polynomial",

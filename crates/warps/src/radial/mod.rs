@@ -356,6 +356,11 @@ fn check<S: Space>(
     if smoothing > 0.0 {
         return Ok((0..pairs.len()).collect());
     }
+    distinct(pairs).map_err(|(first, second)| RadialError::Coincident { first, second })
+}
+
+/// Of several pairs with the same source the first; two of them with different targets are an error.
+pub(crate) fn distinct<S: Space>(pairs: &[PointPair<S>]) -> Result<Vec<usize>, (usize, usize)> {
     let key = |i: usize| pairs[i].source;
     let order = |&i: &usize, &j: &usize| {
         let axes = (0..S::DIM).map(|axis| (key(i).component(axis), key(j).component(axis)));
@@ -372,7 +377,7 @@ fn check<S: Space>(
             .iter()
             .find(|&&i| pairs[i].target != pairs[first].target)
         {
-            return Err(RadialError::Coincident { first, second });
+            return Err((first, second));
         }
         kept.push(first);
     }
