@@ -8,6 +8,7 @@ mod features;
 mod framework;
 mod lattices;
 mod lines;
+mod multilevel;
 mod planes;
 mod radial;
 mod wires;

@@ -92,10 +92,42 @@ pub fn settings<S: Registered>() -> Vec<Setting> {
     meshes(&mut list);
     curves(&mut list);
     radial(&mut list);
+    multilevel(&mut list);
     list.all
 }
 
+fn multilevel<S: Registered>(list: &mut List<S>) {
+    let points = "point = [{ from = \"15%\", by = «\"9%\";0;\"3%\"» }, { from = «\"60%\";\"20%\";\"50%\"», by = \"7%\" }, \
+         { from = «\"62%\";\"23%\";\"47%\"» }, { from = \"85%\", by = «0;\"-6%\";\"5%\"» }]";
+    for how in [
+        "",
+        "levels = 1",
+        "levels = 4\nfaces = \"still\"",
+        "margin = 0\ntolerance = \"1%\"",
+        "levels = 3\nbox = { min = \"-20%\", max = \"130%\" }",
+        "levels = 4\none_to_one = true",
+        "levels = 2\none_to_one = true\nmargin = \"50%\"",
+    ] {
+        list.add("multilevel", &[None], &format!("{how}\n{points}"));
+    }
+}
+
 fn radial<S: Registered>(list: &mut List<S>) {
+    // So many points within a radius that only those in reach are looked at, and that equations are sparse.
+    for (count, more) in [(70, ""), (520, "affine = true\n")] {
+        let mut random = crate::random::Random::new(count);
+        let mut points = String::new();
+        for _ in 0..count {
+            let at: [f64; 3] = core::array::from_fn(|_| random.between(0.0, 100.0));
+            let [x, y, z] = at.map(|x| format!("\"{x:.3}%\""));
+            points += &format!("{{ from = «{x};{y};{z}», by = «\"1%\";0;\"-1%\"» }}, ");
+        }
+        list.add(
+            "radial",
+            &[None],
+            &format!("kernel = \"wendland\"\nradius = \"15%\"\n{more}smoothing = 0.05\npoint = [{points}]"),
+        );
+    }
     // As many points as coefficients, and more.
     for (degree, count) in [(1, 4), (1, 12), (2, 16), (2, 30), (3, 40), (4, 60), (5, 90)] {
         let mut points = String::new();
@@ -147,6 +179,7 @@ fn radial<S: Registered>(list: &mut List<S>) {
             "kernel = \"linear\"\naffine = false",
             "kernel = \"cubic\"",
             "kernel = \"thin-plate\"",
+            "kernel = \"logarithmic\"",
             "kernel = \"gaussian\"\nwidth = \"25%\"",
             "kernel = \"gaussian\"\nwidth = \"40%\"\naffine = false\nsmoothing = 0.1",
             "kernel = \"multiquadric\"\nwidth = \"10%\"",
@@ -652,6 +685,12 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
             "kernel = \"multiquadric\"\nwidth = \"20%\"\naffine = false\n",
             "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }]",
             "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"», by = \"9%\" }]",
+        ),
+        (
+            "multilevel",
+            "box = { min = \"-50%\", max = \"150%\" }\n",
+            "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }]",
+            "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"», by = \"-30%\" }]",
         ),
         (
             "polynomial",

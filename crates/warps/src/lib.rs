@@ -6,6 +6,7 @@
 //! - [`cages`]: control points and frames as wires that a modeller edits.
 //! - [`barr`]: taper, twist, bend and the generalized deformation along an axis.
 //! - [`grids`]: grids of the plane, each cell of which follows its corners.
+//! - [`multilevel`]: hierarchies of lattices fitted to points.
 //! - [`polynomials`]: polynomials of the coordinates, fitted to points.
 //! - [`radial`]: radial basis functions and thin plates through points.
 //! - [`wires`]: curves that are bent, and the model near them follows; axes that bend.
@@ -35,6 +36,7 @@ pub mod grids;
 pub mod lattices;
 pub mod lines;
 pub mod meshes;
+pub mod multilevel;
 pub mod polynomials;
 pub mod radial;
 #[cfg(feature = "recipe")]

@@ -4,7 +4,9 @@
 //!
 //! *Source*: Milliron et al. 2002, §3–§6 for the order.
 
-use crate::{barr, features, grids, lattices, lines, meshes, polynomials, radial, wires};
+use crate::{
+    barr, features, grids, lattices, lines, meshes, multilevel, polynomials, radial, wires,
+};
 use anamorph_catalog::WarpEntry;
 use anamorph_core::{Plane, Solid};
 use anamorph_transforms::Rotational;
@@ -27,6 +29,7 @@ fn both<S: Rotational>() -> Vec<WarpEntry<S>> {
         radial::parameters::radial(),
         radial::parameters::thin_plate(),
         polynomials::parameters::polynomial(),
+        multilevel::parameters::multilevel(),
     ]
 }
 

@@ -321,6 +321,26 @@ impl<S: Space> BsplineLattice<S> {
         (first, values)
     }
 
+    /// Calls with the flat index and the share of every control point that has one in the move of a point.
+    pub(crate) fn shares(&self, p: S, mut with: impl FnMut(usize, f64)) {
+        let Some(local) = self.grid.local(p) else {
+            return;
+        };
+        let (first, values) = self.at(local);
+        let reach = self.reach();
+        for i in 0..reach[0] {
+            for j in 0..reach[1] {
+                for k in 0..reach[2] {
+                    let share = values[0][i] * values[1][j] * values[2][k];
+                    if share > 0.0 {
+                        let flat = self.grid.flat([first[0] + i, first[1] + j, first[2] + k]);
+                        with(flat, share);
+                    }
+                }
+            }
+        }
+    }
+
     /// Number of basis functions along each axis that can differ from zero at a point.
     fn reach(&self) -> [usize; 3] {
         core::array::from_fn(|axis| if axis < S::DIM { self.degree + 1 } else { 1 })
@@ -392,26 +412,10 @@ impl<S: Space> PointLattice<S> for BsplineLattice<S> {
 
 impl<S: Space> Warp<S> for BsplineLattice<S> {
     fn influences(&self, site: &Site<S>, out: &mut Influences) {
-        let Some(local) = self.grid.local(site.point) else {
-            return;
-        };
-        let (first, values) = self.at(local);
-        let reach = self.reach();
-        for i in 0..reach[0] {
-            for j in 0..reach[1] {
-                for k in 0..reach[2] {
-                    let weight = values[0][i] * values[1][j] * values[2][k];
-                    if weight > 0.0 {
-                        let flat = self.grid.flat([first[0] + i, first[1] + j, first[2] + k]);
-                        out.push(
-                            Address::of(u32::try_from(flat).unwrap_or(u32::MAX)),
-                            1.0,
-                            weight,
-                        );
-                    }
-                }
-            }
-        }
+        self.shares(site.point, |flat, weight| {
+            let address = Address::of(u32::try_from(flat).unwrap_or(u32::MAX));
+            out.push(address, 1.0, weight);
+        });
     }
     fn scaled(&self, address: Address, strength: f64) -> Affine<S> {
         points::scaled(self, address, strength)

@@ -16,5 +16,5 @@ mod points;
 pub(crate) use grid::one;
 pub use grid::{Grid, LatticeError};
 #[cfg(feature = "recipe")]
-pub(crate) use placement::frame_pairs;
+pub(crate) use placement::{Corners, Fit, frame_pairs};
 pub use points::PointLattice;

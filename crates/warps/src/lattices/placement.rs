@@ -35,7 +35,7 @@ pub(super) enum BoxParameters {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
-pub(super) enum Fit {
+pub(crate) enum Fit {
     /// The bounds of the model.
     Fit,
 }
@@ -44,11 +44,22 @@ pub(super) enum Fit {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(inline)]
-pub(super) struct Corners {
+pub(crate) struct Corners {
     /// One corner.
     min: Place,
     /// The opposite corner.
     max: Place,
+}
+
+impl Corners {
+    /// The box between the corners.
+    pub(crate) fn bounds<S: Space>(
+        &self,
+        context: &Context<'_, S>,
+    ) -> Result<Bounds<S>, ConstructError> {
+        let min = self.min.resolve("box.min", context)?;
+        Ok(Bounds::new(min, self.max.resolve("box.max", context)?))
+    }
 }
 
 /// A box spanned by edges from a corner.
@@ -112,9 +123,7 @@ fn grid<S: Space>(
             Grid::around_with_margin(context.bounds("box")?, margin, shape)
         }
         Some(BoxParameters::Corners(corners)) => {
-            let min = corners.min.resolve::<S>("box.min", context)?;
-            let bounds = Bounds::new(min, corners.max.resolve("box.max", context)?);
-            Grid::around_with_margin(bounds, margin, shape)
+            Grid::around_with_margin(corners.bounds(context)?, margin, shape)
         }
         Some(BoxParameters::Edges(edges)) => {
             if margin != 0.0 {
