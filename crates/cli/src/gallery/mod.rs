@@ -4,6 +4,7 @@
 //! guarantees it derives. The page is static and needs no network.
 
 mod curves;
+mod images;
 mod lengths;
 mod motions;
 mod page;
@@ -165,7 +166,7 @@ pub(crate) fn run(options: &GalleryOptions) -> Result<(), Failure> {
 
 fn draw(options: &GalleryOptions, index: &Path, markdown: &Path) -> Result<(), Failure> {
     let scenes: usize = PARTS.iter().map(|part| part.scenes.len()).sum();
-    let count = scenes + motions::SCENES.len();
+    let count = scenes + motions::SCENES.len() + images::SCENES.len();
     let progress = Progress::new("drawing", count, options.quiet);
     let mut files = Vec::new();
     let mut parts = Vec::new();
@@ -191,11 +192,19 @@ fn draw(options: &GalleryOptions, index: &Path, markdown: &Path) -> Result<(), F
         moving.push(motions::show(scene, options, &mut files)?);
         progress.add(1);
     }
+    let mut pixels = Vec::new();
+    for scene in images::SCENES {
+        pixels.push(images::show(scene, options, &mut files)?);
+        progress.add(1);
+    }
     drop(progress);
-    let mut pages = vec![(index.to_owned(), page::html(&parts, &moving))];
+    let mut pages = vec![(index.to_owned(), page::html(&parts, &pixels, &moving))];
     if options.markdown {
         pages.extend([
-            (markdown.to_owned(), page::markdown(&parts, &moving)),
+            (
+                markdown.to_owned(),
+                page::markdown(&parts, &pixels, &moving),
+            ),
             (options.out.join("curves.md"), lengths::markdown()),
             (options.out.join("images/arc-length.svg"), lengths::svg()),
         ]);

@@ -2,7 +2,7 @@
 
 use super::plots::plot;
 use super::scenes::Part;
-use super::{Promised, Shown, curves, motions};
+use super::{Promised, Shown, curves, images, motions};
 use anamorph_fields::FALLOFFS;
 use std::fmt::Write;
 
@@ -175,7 +175,11 @@ const ORIENTATIONS: &str = "Every orientation on the same path: forward blue, up
     what changes frames.";
 
 /// The page.
-pub(super) fn html(parts: &[(&Part, Vec<Shown>)], moving: &[motions::Shown]) -> String {
+pub(super) fn html(
+    parts: &[(&Part, Vec<Shown>)],
+    pixels: &[images::Shown],
+    moving: &[motions::Shown],
+) -> String {
     let mut html = String::from(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>anamorph: gallery</title>\n<style>\n",
@@ -229,6 +233,12 @@ pub(super) fn html(parts: &[(&Part, Vec<Shown>)], moving: &[motions::Shown]) -> 
     }
     let _ = write!(
         html,
+        "<section id=\"images\"><h2>Images</h2><p class=\"about\">{}</p>\n{}</section>\n",
+        escape(images::ABOUT),
+        images::html(pixels)
+    );
+    let _ = write!(
+        html,
         "<section id=\"motions\"><h2>Motions</h2><p class=\"about\">{}</p>\n{}</section>\n</main>\n",
         escape(motions::ABOUT),
         motions::html(moving)
@@ -243,7 +253,11 @@ pub(super) fn html(parts: &[(&Part, Vec<Shown>)], moving: &[motions::Shown]) -> 
 }
 
 /// The same for the documentation: pictures in the light, recipes by their files.
-pub(super) fn markdown(parts: &[(&Part, Vec<Shown>)], moving: &[motions::Shown]) -> String {
+pub(super) fn markdown(
+    parts: &[(&Part, Vec<Shown>)],
+    pixels: &[images::Shown],
+    moving: &[motions::Shown],
+) -> String {
     let mut text = format!(
         "# Gallery\n\nWritten by `cargo xtask gallery`. {ABOUT} `anamorph gallery --out DIR` makes the same as a page with \
          recipes to copy, promises and plots.\n"
@@ -270,6 +284,7 @@ pub(super) fn markdown(parts: &[(&Part, Vec<Shown>)], moving: &[motions::Shown])
             );
         }
     }
+    text.push_str(&images::markdown(pixels));
     text.push_str(&motions::markdown(moving));
     text
 }

@@ -4,11 +4,13 @@
 //! §3.2).
 
 use super::{Hierarchy, Multilevel, MultilevelError};
+use crate::features::parameters::{point_features, point_pairs};
 use crate::lattices::{Corners, Fit, LatticeError};
 use crate::radial::parameters::{LandmarkParameters, landmarks};
 use anamorph_catalog::schemars::JsonSchema;
 use anamorph_catalog::{Built, ConstructError, Context, Length, Value, WarpEntry, parse, schemars};
-use anamorph_core::{Bounds, Space};
+use anamorph_core::{Bounds, Space, Warp};
+use anamorph_features::PointPair;
 use serde::Deserialize;
 
 /// Where nothing is said, the box is larger than model and points by this share of its diagonal on all sides.
@@ -146,9 +148,17 @@ pub(crate) fn multilevel<S: Space>() -> WarpEntry<S> {
             still_faces: p.faces == Some(Faces::Still),
             one_to_one: p.one_to_one,
         };
-        let warp = Multilevel::construct(pairs, bounds, hierarchy)
-            .map_err(|error| located(from_files, &error))?;
-        Ok(Built::new(warp.marks(), Box::new(warp)))
+        let construct = move |pairs: Vec<PointPair<S>>| {
+            Multilevel::construct(pairs, bounds, hierarchy)
+                .map_err(|error| located(from_files, &error))
+        };
+        let with = move |sources: &[Vec<S>], targets: &[Vec<S>]| {
+            let warp = construct(point_pairs(sources, targets))?;
+            Ok(Box::new(warp) as Box<dyn Warp<S>>)
+        };
+        let features = point_features(pairs.iter(), Box::new(with));
+        let warp = construct(pairs)?;
+        Ok(Built::new(warp.marks(), Box::new(warp)).between(features))
     }
     WarpEntry {
         kind: "multilevel",

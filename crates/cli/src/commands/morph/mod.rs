@@ -4,7 +4,7 @@
 //! needed: three pictures and the frame are in memory, however long the film is.
 
 mod film;
-mod overlay;
+pub(crate) mod overlay;
 mod sources;
 mod steps;
 
@@ -12,16 +12,19 @@ use super::frames::{Frame, Frames};
 use crate::arguments::{FitName, MorphOptions};
 use crate::error::{Failure, say};
 use crate::files::{self, Pending, short};
+use crate::meshes::RecipeFiles;
 use crate::progress::Progress;
+use anamorph_core::glam::DVec2;
 use anamorph_io::Lost;
 use anamorph_io::images::{EncodeOptions, ImageFile, ImageFormat};
-use anamorph_morph::images::{Accuracy, Back, Drawing, Mixer};
+use anamorph_morph::images::{Accuracy, Drawing, Mixer};
 use anamorph_raster::{Edge, Filter, Hierarchy, Raster, Window};
+use anamorph_recipe::Recipe;
 use film::Output;
 use serde_json::{Value, json};
 use sources::{Image, Source};
 use std::path::PathBuf;
-use steps::{Lie, Step, Way};
+use steps::{Lie, Step};
 
 /// Frames of a step if nothing is said.
 const FRAMES: usize = 25;
@@ -36,6 +39,43 @@ pub(crate) fn run(options: &MorphOptions) -> Result<(), Failure> {
         .build()
         .map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
     pool.install(|| Morph::prepare(options)?.write())
+}
+
+/// Frames between two images of one layer, at times from 0 to 1, each with the places of its features.
+pub(crate) fn frames(
+    images: [&ImageFile; 2],
+    recipe: Recipe,
+    beside: RecipeFiles,
+    times: &[f64],
+) -> Result<Vec<(Raster, Vec<Vec<DVec2>>)>, Failure> {
+    let display = images[0].display();
+    let lies = [images[0], images[1]].map(|image| Lie::of(image.display(), display, None, "image"));
+    let [first, second] = lies;
+    let lies = [&first?, &second?];
+    let mut step = Step::new(recipe, beside);
+    step.prepare(lies, ["image", "image"])?;
+    let rasters = images.map(ImageFile::colours);
+    let [first, second] = rasters;
+    let (first, second) = (first.map_err(Failure::new)?, second.map_err(Failure::new)?);
+    let mut mixer = Mixer::new(first.window(), display, first.channels()).map_err(Failure::new)?;
+    let drawing = Drawing {
+        filter: Filter::ANISOTROPIC,
+        edge: Edge::Clamp,
+        max_error: Hierarchy::default().max_error,
+    };
+    let mut frames = Vec::new();
+    for &time in times {
+        let between = step.between(time, lies)?;
+        let ways = [
+            (first.as_ref(), between.back(0)),
+            (second.as_ref(), between.back(1)),
+        ];
+        let drawn = mixer
+            .draw(ways, between.dissolve, &drawing)
+            .map_err(Failure::new)?;
+        frames.push((drawn.clone(), between.places));
+    }
+    Ok(frames)
 }
 
 /// Everything that is known before the first frame.
@@ -303,11 +343,6 @@ impl<'a> Morph<'a> {
             let [Some(a), Some(b)] = rasters else {
                 continue;
             };
-            let back = |end: usize| match &between.ways[end] {
-                Way::Still => Back::Still,
-                Way::Map(map) => Back::Map(map.as_ref()),
-                Way::Grid(warp) => Back::Grid(warp),
-            };
             let drawing = Drawing {
                 filter: self.filter,
                 edge: layer.edge,
@@ -317,11 +352,15 @@ impl<'a> Morph<'a> {
                     .unwrap_or(Hierarchy::default().max_error),
             };
             let drawn = mixer
-                .draw([(a, back(0)), (b, back(1))], between.dissolve, &drawing)
+                .draw(
+                    [(a, between.back(0)), (b, between.back(1))],
+                    between.dissolve,
+                    &drawing,
+                )
                 .map_err(Failure::new)?;
             let mut drawn = drawn.clone();
             if self.options.draw_features && drawn.channels() <= 4 {
-                overlay::draw(&mut drawn, &between.places);
+                overlay::draw(&mut drawn, &between.places, overlay::INK);
             }
             result.layers_mut()[number].raster = Some(drawn);
         }

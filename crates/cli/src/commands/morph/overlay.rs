@@ -3,15 +3,17 @@
 use anamorph_core::glam::{DVec2, dvec2};
 use anamorph_raster::Raster;
 
-/// Linear light of the strokes and of their border.
-const COLOURS: [[f32; 3]; 2] = [[0.02, 0.02, 0.02], [1.0, 0.35, 0.03]];
+/// Linear light of the border of strokes.
+const BORDER: [f32; 3] = [0.02, 0.02, 0.02];
+/// Linear light of the strokes of a morph.
+pub(crate) const INK: [f32; 3] = [1.0, 0.35, 0.03];
 
-/// Draws features of one or several places on a picture of grey or RGB, with or without alpha.
-pub(super) fn draw(picture: &mut Raster, features: &[Vec<DVec2>]) {
+/// Draws features of one or several places on a picture of grey or RGB, with or without alpha, in a colour of linear light.
+pub(crate) fn draw(picture: &mut Raster, features: &[Vec<DVec2>], ink: [f32; 3]) {
     let window = picture.window();
     let size = window.width().max(window.height()) as f64;
     let radius = (size / 700.0).clamp(0.8, 4.0);
-    for (colour, radius) in COLOURS.into_iter().zip([radius + 0.9, radius]) {
+    for (colour, radius) in [BORDER, ink].into_iter().zip([radius + 0.9, radius]) {
         for feature in features {
             match feature.as_slice() {
                 [] => {}

@@ -10,6 +10,7 @@ use anamorph_core::glam::{DMat2, DVec2, dvec2};
 use anamorph_core::{Affine, Bounds, Deformation, Plane, Stack};
 use anamorph_io::landmarks::Landmarks;
 use anamorph_morph::grid::{CoordinateGrid, GridWarp, Spline};
+use anamorph_morph::images::Back;
 use anamorph_morph::places::{LinePath, between_lines, between_points};
 use anamorph_raster::Window;
 use anamorph_recipe::{MorphFeatures, MorphWay, Recipe};
@@ -148,7 +149,7 @@ impl Lie {
 }
 
 /// What leads back to an image.
-pub(super) enum Way {
+enum Way {
     Still,
     Map(Box<dyn Deformation<Plane>>),
     Grid(GridWarp),
@@ -161,7 +162,7 @@ pub(super) struct Between {
     /// How far the colours have gone.
     pub(super) dissolve: f64,
     /// Back to either image.
-    pub(super) ways: [Way; 2],
+    ways: [Way; 2],
 }
 
 /// The keys by which options change recipes.
@@ -200,11 +201,7 @@ pub(super) fn steps(options: &MorphOptions, images: usize) -> Result<Vec<Step>, 
     let needed = images - 1;
     let step = |mut recipe: Recipe, beside| {
         put_time(&mut recipe, options)?;
-        Ok(Step {
-            recipe,
-            beside,
-            still: None,
-        })
+        Ok(Step::new(recipe, beside))
     };
     if !options.landmarks.is_empty() {
         if options.landmarks.len() != images {
@@ -245,7 +242,26 @@ pub(super) fn steps(options: &MorphOptions, images: usize) -> Result<Vec<Step>, 
         .collect()
 }
 
+impl Between {
+    /// What leads back to an image, 0 or 1.
+    pub(super) fn back(&self, image: usize) -> Back<'_> {
+        match &self.ways[image] {
+            Way::Still => Back::Still,
+            Way::Map(map) => Back::Map(map.as_ref()),
+            Way::Grid(warp) => Back::Grid(warp),
+        }
+    }
+}
+
 impl Step {
+    pub(super) fn new(recipe: Recipe, beside: RecipeFiles) -> Self {
+        Self {
+            recipe,
+            beside,
+            still: None,
+        }
+    }
+
     pub(super) fn recipe(&self) -> &Recipe {
         &self.recipe
     }
