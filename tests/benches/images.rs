@@ -266,10 +266,13 @@ fn openexr(criterion: &mut Criterion) {
         let (x, y) = ((i % width) as f32, (i / width) as f32);
         f16::from_f32(((x * 0.01 + channel as f32).sin() * (y * 0.013).cos() + 1.0) * 0.5)
     };
-    let channels = ["A", "B", "G", "R"].iter().enumerate().map(|(number, &name)| {
-        let samples = (0..width * height).map(|i| wave(i, number)).collect();
-        AnyChannel::new(name, FlatSamples::F16(samples))
-    });
+    let channels = ["A", "B", "G", "R"]
+        .iter()
+        .enumerate()
+        .map(|(number, &name)| {
+            let samples = (0..width * height).map(|i| wave(i, number)).collect();
+            AnyChannel::new(name, FlatSamples::F16(samples))
+        });
     let encoding = Encoding {
         compression: exr::compression::Compression::ZIP16,
         ..Encoding::default()
