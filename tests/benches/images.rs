@@ -9,6 +9,7 @@ use anamorph_core::glam::{DVec2, dvec2};
 use anamorph_core::{Deformation, Plane, Scaling};
 use anamorph_features::{Element, ElementPair, PointPair};
 use anamorph_morph::grid::{CoordinateGrid, GridWarp, Spline, TwoPassMemory, two_pass_into};
+use anamorph_io::images::{EncodeOptions, ImageFile, ImageFormat, ImageLimits};
 use anamorph_raster::{
     Edge, Filter, Hierarchy, PixelMap, Raster, Window, hierarchical_map, hierarchical_map_into,
     resample_into,
@@ -19,6 +20,7 @@ use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
 };
 use rayon::prelude::*;
+use std::io::Cursor;
 use std::time::Duration;
 
 fn pool() -> rayon::ThreadPool {
@@ -254,6 +256,70 @@ fn whole_warp(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A file of 4096 × 2048 pixels, four channels of halves, ZIP, through what the crate `exr` itself gives and takes, and through ours.
+fn openexr(criterion: &mut Criterion) {
+    use exr::prelude::{
+        AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ReadChannels, ReadLayers,
+        WritableImage, f16, read,
+    };
+    let (width, height) = (4096, 2048);
+    let wave = |i: usize, channel: usize| {
+        let (x, y) = ((i % width) as f32, (i / width) as f32);
+        f16::from_f32(((x * 0.01 + channel as f32).sin() * (y * 0.013).cos() + 1.0) * 0.5)
+    };
+    let channels = ["A", "B", "G", "R"]
+        .iter()
+        .enumerate()
+        .map(|(number, &name)| {
+            let samples = (0..width * height).map(|i| wave(i, number)).collect();
+            AnyChannel::new(name, FlatSamples::F16(samples))
+        });
+    let encoding = Encoding {
+        compression: exr::compression::Compression::ZIP16,
+        ..Encoding::default()
+    };
+    let image = Image::from_encoded_channels(
+        (width, height),
+        encoding,
+        AnyChannels::sort(channels.collect()),
+    );
+    let written = |out: &mut Vec<u8>| {
+        out.clear();
+        image.write().to_buffered(Cursor::new(out)).unwrap();
+    };
+    let mut bytes = Vec::new();
+    written(&mut bytes);
+    let limits = ImageLimits::NONE;
+    let ours = ImageFile::read(&bytes, limits).unwrap();
+    let name = "OpenEXR, 4096 × 2048, four halves, ZIP";
+    let mut group = criterion.benchmark_group(name);
+    group
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(300))
+        .throughput(Throughput::Elements((width * height) as u64));
+    group.bench_function("baseline: exr, read", |bencher| {
+        bencher.iter(|| {
+            let reader = read().no_deep_data().largest_resolution_level();
+            let reader = reader.all_channels().all_layers().all_attributes();
+            reader.from_buffered(Cursor::new(&bytes)).unwrap()
+        });
+    });
+    group.bench_function("read", |bencher| {
+        bencher.iter(|| ImageFile::read(&bytes, limits).unwrap());
+    });
+    let mut out = Vec::new();
+    group.bench_function("baseline: exr, write", |bencher| {
+        bencher.iter(|| written(&mut out));
+    });
+    group.bench_function("write", |bencher| {
+        bencher.iter(|| {
+            ours.encode(ImageFormat::OpenExr, &EncodeOptions::default())
+                .unwrap()
+        });
+    });
+    group.finish();
+}
+
 /// A picture of 1024² on a grid of 20 × 20 nodes, moved by up to a tenth of a cell, by both ways of drawing it.
 fn grids(criterion: &mut Criterion) {
     let side = 1024;
@@ -300,6 +366,7 @@ criterion_group!(
     lines_at_every_pixel,
     maps,
     whole_warp,
+    openexr,
     grids
 );
 criterion_main!(benches);

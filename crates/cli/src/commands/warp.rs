@@ -36,10 +36,8 @@ pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     }
     let jobs = jobs(options)?;
     let of_image = jobs.iter().any(|job| image::is_image(&job.model));
-    if frames.is_some() {
-        if !of_image {
-            image::refuse_options(options)?;
-        }
+    if frames.is_some() && !of_image {
+        image::refuse_options(options)?;
     }
     if options.preview.is_some() {
         picture::check(&options.view, options.turntable.is_some())

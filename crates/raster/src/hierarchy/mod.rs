@@ -13,8 +13,8 @@
 //!   `‖J − I‖ ≤ L` ([`Facts::stretch`](anamorph_core::Facts::stretch)) of a continuous deformation by `L·h/√2`, `h` the cell's size,
 //!   because the weights' mean distance to the corners is at most that; with second derivatives of at most `K` by `K·h²/4`;
 //! - *estimated*, where nine evaluations (five in cells of 8 and 4 pixels) between the corners, among them the middles of the edges and
-//!   of the cell, where the error of smooth maps is largest, differ by at most the allowed error over a safety factor; or, but for the
-//!   smallest cells, where the middles differ by no more than four times that, and a patch that is made to agree with them (quartic
+//!   of the cell, where the error of smooth maps is largest, differ by at most the allowed error over a safety factor (half of that in cells of 4 pixels); or, but for the
+//!   smallest cells, where the middles differ by no more than twice that, and a patch that is made to agree with them (quartic
 //!   along the edges, one order better) agrees with four evaluations between them.
 //!
 //! An estimate can miss what is smaller than the distance of the evaluations, a quarter of a cell (half of the smallest).

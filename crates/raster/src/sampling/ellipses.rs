@@ -132,11 +132,11 @@ fn runs<V: Simd, const N: usize>(
     for (number, pixels) in pixels.chunks_mut(RUN).enumerate() {
         let start = number * RUN;
         let count = pixels.len();
-        for i in 0..count {
+        for (i, (x, y)) in xs.iter_mut().zip(&mut ys).enumerate().take(count) {
             let column = start + i;
             let [u, w] = offsets[column];
-            xs[i] = first.x + column as f64 + f64::from(u);
-            ys[i] = first.y + f64::from(w);
+            *x = first.x + column as f64 + f64::from(u);
+            *y = first.y + f64::from(w);
             let [[a, b], [c, d]] = around.slopes(column, offsets);
             (slopes[0][i], slopes[1][i]) = (a, b);
             (slopes[2][i], slopes[3][i]) = (c, d);

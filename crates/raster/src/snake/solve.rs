@@ -86,10 +86,10 @@ impl Stiffness {
         for (i, &m) in mass.iter().enumerate() {
             rows.0[i][0] += m;
         }
-        Self::factored(rows, mass, held)
+        Self::factored(&rows, mass, held)
     }
 
-    fn factored(rows: Rows, mut mass: Vec<f64>, held: impl Fn(usize) -> bool) -> Self {
+    fn factored(rows: &Rows, mut mass: Vec<f64>, held: impl Fn(usize) -> bool) -> Self {
         let count = mass.len();
         // Points that are held have rows of their own, and no force.
         for (i, mass) in mass.iter_mut().enumerate() {

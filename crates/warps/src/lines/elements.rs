@@ -274,10 +274,7 @@ impl<S: Space> Deformation<S> for ElementWarp<S> {
         }
         let one = |p: S| self.one(p);
         if let Some(segments) = &self.segments {
-            let mut odd = Vec::new();
-            let coordinates = S::coordinates_mut(points);
-            dispatch!(Level::new(), v => segments.run(v, coordinates, &mut odd));
-            for index in odd {
+            for index in segments.run(S::coordinates_mut(points)) {
                 points[index] = one(points[index]);
             }
             return Unmapped::none();

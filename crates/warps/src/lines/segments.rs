@@ -9,7 +9,7 @@
 
 use super::elements::Item;
 use super::weights::Power;
-use anamorph_core::simd::{self, LANES, Simd, f64x8, prelude::*};
+use anamorph_core::simd::{self, LANES, Level, Simd, dispatch, f64x8, prelude::*};
 use anamorph_core::{Linear, Space};
 
 /// Lines that share a division.
@@ -101,9 +101,15 @@ impl Segments {
         })
     }
 
-    /// Moves a run of points, given by their coordinates. Those that the vectors do not serve stay; their numbers are added to `odd`.
+    /// Moves a run of points, given by their coordinates. Those that the vectors do not serve stay; gives their numbers.
+    pub(super) fn run(&self, coordinates: &mut [f64]) -> Vec<usize> {
+        let mut odd = Vec::new();
+        dispatch!(Level::new(), v => self.vectors(v, coordinates, &mut odd));
+        odd
+    }
+
     #[inline(always)]
-    pub(super) fn run<V: Simd>(&self, v: V, coordinates: &mut [f64], odd: &mut Vec<usize>) {
+    fn vectors<V: Simd>(&self, v: V, coordinates: &mut [f64], odd: &mut Vec<usize>) {
         match self.power {
             Power::Plain => run::<V, Plain>(v, &self.groups, coordinates, odd),
             Power::Square => run::<V, Square>(v, &self.groups, coordinates, odd),
@@ -195,9 +201,9 @@ fn run<V: Simd, D: Denominator>(
         // The last block is filled with its own last point.
         let last = part.len().saturating_sub(2);
         let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
+        for (lane, (x, y)) in x.iter_mut().zip(&mut y).enumerate() {
             let at = (2 * lane).min(last);
-            (x[lane], y[lane]) = (part[at], part[at + 1]);
+            (*x, *y) = (part[at], part[at + 1]);
         }
         let (moved, plain) = block::<V, D>(v, groups, [x, y]);
         for (lane, point) in part.chunks_exact_mut(2).enumerate() {
