@@ -54,7 +54,9 @@ fn b8_residuals<S: Space>() {
                     assert!(now.root_mean_square <= last.root_mean_square);
                     last = *now;
                 }
-                assert!(last.root_mean_square < 0.7 * warp.before().root_mean_square);
+                // Moves in all directions of many points at once take finer levels, or cannot be made one to one.
+                let share = if count <= 3 { 0.3 } else { 1.0 };
+                assert!(last.root_mean_square < share * warp.before().root_mean_square);
                 // What is reported is so.
                 let mut points: Vec<S> = list.iter().map(|pair| pair.source).collect();
                 map_all(&warp, &mut points);
@@ -281,14 +283,17 @@ fn b8_a_tolerance_ends_the_levels() {
     let mut random = Random::new(83);
     let list = pairs::<Plane>(&mut random, 20, 0.1);
     let exact = Multilevel::construct(list.clone(), unit(), with(8)).unwrap();
-    let tolerance = exact.residuals()[2].largest;
+    let tolerance = 0.3 * exact.before().largest;
     let hierarchy = Hierarchy {
         tolerance,
         ..with(8)
     };
     let coarse = Multilevel::construct(list.clone(), unit(), hierarchy).unwrap();
-    assert!(coarse.residuals().len() <= 3);
-    assert!(coarse.residuals().last().unwrap().largest <= tolerance);
+    let levels = coarse.residuals().len();
+    assert!(levels < exact.residuals().len());
+    assert_eq!(coarse.residuals(), &exact.residuals()[..levels]);
+    assert!(coarse.residuals()[levels - 1].largest <= tolerance);
+    assert!(coarse.residuals()[levels - 2].largest > tolerance);
     // Sources that say the same twice are one; those that differ are refused.
     let twice = [list.clone(), list.clone()].concat();
     let same = Multilevel::construct(twice, unit(), with(8)).unwrap();

@@ -6,7 +6,7 @@ use anamorph_tests::measure::{linear_distance, same_bits};
 use anamorph_tests::random::Random;
 use anamorph_warps::radial::{Kernel, RadialError, RadialWarp};
 
-const KERNELS: [Kernel; 7] = [
+const KERNELS: [Kernel; 8] = [
     Kernel::Linear,
     Kernel::Cubic,
     Kernel::ThinPlate,
@@ -14,6 +14,7 @@ const KERNELS: [Kernel; 7] = [
     Kernel::Multiquadric { width: 0.3 },
     Kernel::InverseMultiquadric { width: 0.3 },
     Kernel::Wendland { radius: 0.7 },
+    Kernel::Logarithmic,
 ];
 
 /// Points of about unit size, no two much nearer than so many need be, that move by about `move_by`.
@@ -236,7 +237,10 @@ fn b19_stretch<S: Space>() {
         let list = pairs::<S>(&mut random, 6, 0.05);
         let warp = RadialWarp::construct(list, kernel, true, 0.0).unwrap();
         let Some(bound) = warp.facts().stretch() else {
-            assert!(matches!(kernel, Kernel::Cubic | Kernel::ThinPlate));
+            assert!(matches!(
+                kernel,
+                Kernel::Cubic | Kernel::ThinPlate | Kernel::Logarithmic
+            ));
             continue;
         };
         for _ in 0..2000 {
@@ -303,4 +307,128 @@ fn b19_what_cannot_be_met_is_named() {
         matches!(error, RadialError::IllConditioned { condition, .. } if condition > 1e14),
         "{error}"
     );
+}
+
+/// Points of the unit box, no two too near.
+fn spread<S: Space>(random: &mut Random, count: usize) -> Vec<PointPair<S>> {
+    let side = (count as f64).powf(1.0 / S::DIM as f64).ceil() as usize;
+    let cell = |k: usize, axis: usize| (k / side.pow(axis as u32) % side) as f64;
+    (0..count)
+        .map(|k| {
+            let source =
+                S::from_fn(|axis| (cell(k, axis) + random.between(0.15, 0.85)) / side as f64);
+            let step = random.vector::<S>() * 0.02;
+            PointPair {
+                source,
+                target: source + step,
+            }
+        })
+        .collect()
+}
+
+fn b19_many<S: Space>(count: usize, radius: f64) {
+    let mut random = Random::new(22);
+    let list = spread::<S>(&mut random, count);
+    for affine in [false, true] {
+        let kernel = Kernel::Wendland { radius };
+        let warp = RadialWarp::construct(list.clone(), kernel, affine, 0.0).unwrap();
+        assert!(warp.condition() > 1.0 && warp.condition().is_finite());
+        let mut moved: Vec<S> = list.iter().map(|pair| pair.source).collect();
+        map_all(&warp, &mut moved);
+        for (moved, pair) in moved.iter().zip(&list) {
+            assert!(moved.distance(pair.target) < 1e-11);
+        }
+        // The formula, over all centres, and its derivative.
+        let mut near = 0;
+        for _ in 0..30 {
+            let site = Site::anywhere(S::from_fn(|_| random.between(-0.2, 1.2)));
+            let literal = anamorph_core::reference::evaluate(&warp, &site);
+            let image = warp.map(&site);
+            assert!((image - literal).largest() < 1e-12);
+            near += usize::from(image != site.point);
+            let jacobian = warp.jacobian(&site, 1.0).unwrap();
+            let differences = anamorph_core::difference_jacobian(&warp, &site, 1.0).unwrap();
+            assert!(linear_distance::<S>(&jacobian, &differences) < 1e-5);
+        }
+        assert!(near > 5);
+        if !affine {
+            let far = S::splat(1.1 + radius);
+            assert!(same_bits(at(&warp, far), far));
+        }
+    }
+}
+
+#[test]
+fn b19_thousands_of_points_within_a_radius_are_met() {
+    b19_many::<Plane>(5000, 0.04);
+    b19_many::<Solid>(2000, 0.15);
+}
+
+#[test]
+fn b19_fifteen_thousand_points_of_space_are_met() {
+    b19_many::<Solid>(15_000, 0.06);
+}
+
+#[test]
+fn b19_sparse_equations_are_the_dense_ones() {
+    // Below and above the number at which they are sparse: one more point far from the others changes nothing among them.
+    let mut random = Random::new(23);
+    let mut list = spread::<Solid>(&mut random, 511);
+    let kernel = Kernel::Wendland { radius: 0.4 };
+    for (affine, smoothing) in [(false, 0.0), (false, 0.3)] {
+        let dense = RadialWarp::construct(list.clone(), kernel, affine, smoothing).unwrap();
+        let far = Solid::splat(9.0);
+        list.push(PointPair {
+            source: far,
+            target: far,
+        });
+        let sparse = RadialWarp::construct(list.clone(), kernel, affine, smoothing).unwrap();
+        list.pop();
+        for _ in 0..200 {
+            let p = random.vector::<Solid>();
+            let apart = at(&dense, p).distance(at(&sparse, p));
+            assert!(apart < 1e-11, "{apart}");
+        }
+        let ratio = dense.condition() / sparse.condition();
+        assert!((0.2..5.0).contains(&ratio), "{ratio}");
+    }
+}
+
+#[test]
+fn b19_too_many_neighbours_are_refused_by_radius() {
+    let mut random = Random::new(24);
+    let list = spread::<Plane>(&mut random, 12_000);
+    let kernel = Kernel::Wendland { radius: 1.0 };
+    let error = RadialWarp::construct(list, kernel, false, 0.0).unwrap_err();
+    assert!(matches!(error, RadialError::TooDense { .. }));
+    assert!(error.to_string().contains("radius 1 "), "{error}");
+}
+
+/// `Δ²(r² log r) = −2/r²` in space and 0 in the plane: what tells this kernel from others.
+#[test]
+fn b19_logarithmic_kernels_are_r_squared_log_r_in_space_too() {
+    let mut random = Random::new(25);
+    let list = pairs::<Plane>(&mut random, 9, 0.3);
+    let plate = RadialWarp::construct(list.clone(), Kernel::ThinPlate, true, 0.0).unwrap();
+    let log = RadialWarp::construct(list, Kernel::Logarithmic, true, 0.0).unwrap();
+    let list = pairs::<Solid>(&mut random, 5, 0.3);
+    let solid = RadialWarp::construct(list.clone(), Kernel::Logarithmic, true, 0.0).unwrap();
+    // The coefficients by eq. (3)'s terms, the formula by hand; units of length only change the affine part.
+    for _ in 0..50 {
+        let p = random.vector::<Plane>();
+        assert!(same_bits(at(&plate, p), at(&log, p)));
+        let p = random.vector::<Solid>();
+        let literal = anamorph_core::reference::evaluate(&solid, &Site::anywhere(p));
+        assert!((at(&solid, p) - literal).largest() < 1e-13);
+    }
+    let mut out = anamorph_core::Influences::default();
+    let place = Site::anywhere(Solid::new(0.3, -0.2, 0.5));
+    anamorph_core::Warp::influences(&solid, &place, &mut out);
+    let all = anamorph_core::Bounds::of(&list.iter().map(|pair| pair.source).collect::<Vec<_>>());
+    let unit = all.unwrap().diagonal();
+    for (influence, pair) in out.list.iter().zip(&list) {
+        let r = place.point.distance(pair.source) / unit;
+        let expected = 2.0 * r * r * r.ln();
+        assert!((influence.strength - expected).abs() < 1e-13);
+    }
 }

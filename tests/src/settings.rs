@@ -113,6 +113,21 @@ fn multilevel<S: Registered>(list: &mut List<S>) {
 }
 
 fn radial<S: Registered>(list: &mut List<S>) {
+    // So many points within a radius that only those in reach are looked at, and that equations are sparse.
+    for (count, more) in [(70, ""), (520, "affine = true\n")] {
+        let mut random = crate::random::Random::new(count);
+        let mut points = String::new();
+        for _ in 0..count {
+            let at: [f64; 3] = core::array::from_fn(|_| random.between(0.0, 100.0));
+            let [x, y, z] = at.map(|x| format!("\"{x:.3}%\""));
+            points += &format!("{{ from = «{x};{y};{z}», by = «\"1%\";0;\"-1%\"» }}, ");
+        }
+        list.add(
+            "radial",
+            &[None],
+            &format!("kernel = \"wendland\"\nradius = \"15%\"\n{more}smoothing = 0.05\npoint = [{points}]"),
+        );
+    }
     // As many points as coefficients, and more.
     for (degree, count) in [(1, 4), (1, 12), (2, 16), (2, 30), (3, 40), (4, 60), (5, 90)] {
         let mut points = String::new();
@@ -164,6 +179,7 @@ fn radial<S: Registered>(list: &mut List<S>) {
             "kernel = \"linear\"\naffine = false",
             "kernel = \"cubic\"",
             "kernel = \"thin-plate\"",
+            "kernel = \"logarithmic\"",
             "kernel = \"gaussian\"\nwidth = \"25%\"",
             "kernel = \"gaussian\"\nwidth = \"40%\"\naffine = false\nsmoothing = 0.1",
             "kernel = \"multiquadric\"\nwidth = \"10%\"",

@@ -11,13 +11,14 @@
 //! | `features` | default | pairs of points and frames |
 //! | `fields` | default | falloffs, fields of space and of a model, polynomial bases |
 //! | `transforms` | default | composition scaling, polar decomposition, quaternions, paths through orientations |
+//! | `solvers` | default | sparse symmetric systems of equations |
 //! | `warps` | default | the warps: points, frames, vortex, lattices, taper, bend, twist, axial |
 //! | `io` | `io` | OBJ and CSV documents that keep every byte that does not change |
 //! | `recipe`, `catalog`, `registry` | `recipe` | TOML and JSON recipes, and what they can name |
 //! | `raster` | `raster` | images: rasters, colour, filters, maps, resampling, splatting |
 //! | `preview` | `preview` | pictures of models before and after |
 //!
-//! The feature `parallel` uses all cores, with the same results bit for bit; `full` is everything.
+//! The feature `sparse`, on by default, lets radial warps with a radius have many points. The feature `parallel` uses all cores, with the same results bit for bit; `full` is everything.
 //!
 #![cfg_attr(feature = "warps", doc = "```")]
 #![cfg_attr(not(feature = "warps"), doc = "```ignore")]
@@ -57,6 +58,8 @@ pub use anamorph_preview as preview;
 pub use anamorph_raster as raster;
 #[cfg(feature = "recipe")]
 pub use anamorph_recipe as recipe;
+#[cfg(feature = "solvers")]
+pub use anamorph_solvers as solvers;
 #[cfg(feature = "transforms")]
 pub use anamorph_transforms as transforms;
 #[cfg(feature = "warps")]

@@ -259,18 +259,52 @@ pub fn sin_cos<V: Simd>(simd: V, angle: f64x8<V>) -> (f64x8<V>, f64x8<V>) {
 /// Natural logarithms of eight positive normal numbers; equal to [`crate::math::ln_positive`] bit for bit.
 #[inline(always)]
 pub fn ln_positive<V: Simd>(simd: V, x: f64x8<V>) -> f64x8<V> {
+    let [ln] = ln_positive_each(simd, [x]);
+    ln
+}
+
+/// [`ln_positive`] of several vectors, all of them a step at a time: one logarithm is a long chain of operations that wait for each
+/// other, and a processor looks only so far ahead for others that need not.
+#[inline(always)]
+pub fn ln_positive_each<V: Simd, const N: usize>(simd: V, x: [f64x8<V>; N]) -> [f64x8<V>; N] {
     let c = |value: f64| f64x8::splat(simd, value);
     let bit = |value: u64| u64x8::splat(simd, value);
-    let shifted = x.bitcast::<u64x8<V>>() + bit(ONE - ROOT_HALF);
-    let k = ((shifted >> 52) | bit(TWO_52)).bitcast::<f64x8<V>>() - c(TWO_52_BIASED);
-    let f = ((shifted & bit(MANTISSA)) + bit(ROOT_HALF)).bitcast::<f64x8<V>>() - c(1.0);
-    let half = c(0.5) * f * f;
-    let s = f / (c(2.0) + f);
-    let z = s * s;
-    let w = z * z;
-    let even = w * (c(LN[1]) + w * (c(LN[3]) + w * c(LN[5])));
-    let odd = z * (c(LN[0]) + w * (c(LN[2]) + w * (c(LN[4]) + w * c(LN[6]))));
-    s * (half + (even + odd)) + k * c(LN_2_2) - half + f + k * c(LN_2_1)
+    let zero = c(0.0);
+    let (mut k, mut f, mut half, mut s) = ([zero; N], [zero; N], [zero; N], [zero; N]);
+    for i in 0..N {
+        let shifted = x[i].bitcast::<u64x8<V>>() + bit(ONE - ROOT_HALF);
+        k[i] = ((shifted >> 52) | bit(TWO_52)).bitcast::<f64x8<V>>() - c(TWO_52_BIASED);
+        f[i] = ((shifted & bit(MANTISSA)) + bit(ROOT_HALF)).bitcast::<f64x8<V>>() - c(1.0);
+    }
+    for i in 0..N {
+        s[i] = f[i] / (c(2.0) + f[i]);
+        half[i] = c(0.5) * f[i] * f[i];
+    }
+    let (mut z, mut w) = ([zero; N], [zero; N]);
+    for i in 0..N {
+        z[i] = s[i] * s[i];
+        w[i] = z[i] * z[i];
+    }
+    let (mut even, mut odd) = ([zero; N], [zero; N]);
+    for i in 0..N {
+        even[i] = c(LN[3]) + w[i] * c(LN[5]);
+        odd[i] = c(LN[4]) + w[i] * c(LN[6]);
+    }
+    for i in 0..N {
+        even[i] = c(LN[1]) + w[i] * even[i];
+        odd[i] = c(LN[2]) + w[i] * odd[i];
+    }
+    for i in 0..N {
+        even[i] = w[i] * even[i];
+        odd[i] = z[i] * (c(LN[0]) + w[i] * odd[i]);
+    }
+    for i in 0..N {
+        s[i] *= half[i] + (even[i] + odd[i]);
+    }
+    for i in 0..N {
+        s[i] = s[i] + k[i] * c(LN_2_2) - half[i] + f[i] + k[i] * c(LN_2_1);
+    }
+    s
 }
 
 /// Exponentials of eight numbers that are not positive; equal to [`crate::math::exp_negative`] bit for bit.
@@ -336,7 +370,10 @@ mod tests {
             });
             let y = x.map(|x| -(math::ln(x) + 346.0).abs() * 2.2);
             let (ln, exp): ([f64; LANES], [f64; LANES]) = dispatch!(Level::new(), simd => {
-                let ln = ln_positive(simd, f64x8::simd_from(simd, x));
+                let x = f64x8::simd_from(simd, x);
+                let [ln, _, again] = ln_positive_each(simd, [x, splat(simd, 2.0), x]);
+                assert!(ln.simd_eq(again).all_true());
+                assert!(ln.simd_eq(ln_positive(simd, x)).all_true());
                 let exp = exp_negative(simd, f64x8::simd_from(simd, y));
                 (ln.into(), exp.into())
             });

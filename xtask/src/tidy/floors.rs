@@ -70,6 +70,7 @@ pub const HOUSE: &[Row] = &[
     row("curves", 1, &[Free("core")]),
     row("meshing", 1, &[Free("core")]),
     row("raster", 1, &[Free("core")]),
+    row("solvers", 1, &[]),
     row(
         "warps",
         2,
@@ -80,6 +81,7 @@ pub const HOUSE: &[Row] = &[
             Free("fields"),
             Free("transforms"),
             Optional("curves"),
+            Optional("solvers"),
         ],
     ),
     row(
@@ -91,6 +93,7 @@ pub const HOUSE: &[Row] = &[
             Free("raster"),
             Free("curves"),
             Free("transforms"),
+            Free("solvers"),
         ],
     ),
     row("io", 3, &[Free("core"), Free("raster")]),
@@ -120,6 +123,7 @@ const EVERYTHING: &[Use] = &[
     Free("catalog"),
     Free("features"),
     Free("fields"),
+    Free("solvers"),
     Free("transforms"),
     Free("curves"),
     Free("meshing"),

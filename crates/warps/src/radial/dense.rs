@@ -134,27 +134,39 @@ impl Symmetric {
         let n = self.size;
         let sum = |list: &[f64]| list.iter().map(|x| x.abs()).sum::<f64>();
         let norm = self.matrix.chunks_exact(n).map(sum).fold(0.0, f64::max);
-        #[allow(clippy::cast_precision_loss)]
-        let mut probe = vec![1.0 / n as f64; n];
-        let mut inverse = 0.0_f64;
-        for _ in 0..5 {
-            let y = self.solve_once(&probe);
-            inverse = inverse.max(sum(&y));
-            let signs: Vec<f64> = y.iter().map(|y| y.signum()).collect();
-            // The matrix is its own transpose, and so is its inverse.
-            let z = self.solve_once(&signs);
-            let best = (0..n).max_by(|&i, &j| z[i].abs().total_cmp(&z[j].abs()));
-            let reached: f64 = z.iter().zip(&probe).map(|(z, x)| z * x).sum();
-            match best {
-                Some(best) if z[best].abs() > reached => {
-                    probe.fill(0.0);
-                    probe[best] = 1.0;
-                }
-                _ => break,
-            }
-        }
-        norm * inverse
+        norm * norm_of_inverse(n, |right| Some(self.solve_once(right)))
     }
+}
+
+/// An estimate of `‖A⁻¹‖₁` of a symmetric matrix of `size` rows from solutions of `A x = b`; infinite where there is none.
+pub(super) fn norm_of_inverse(
+    size: usize,
+    mut solve: impl FnMut(&[f64]) -> Option<Vec<f64>>,
+) -> f64 {
+    #[allow(clippy::cast_precision_loss)]
+    let mut probe = vec![1.0 / size as f64; size];
+    let mut inverse = 0.0_f64;
+    for _ in 0..5 {
+        let Some(y) = solve(&probe) else {
+            return f64::INFINITY;
+        };
+        inverse = inverse.max(y.iter().map(|x| x.abs()).sum());
+        let signs: Vec<f64> = y.iter().map(|y| y.signum()).collect();
+        // The matrix is its own transpose, and so is its inverse.
+        let Some(z) = solve(&signs) else {
+            return f64::INFINITY;
+        };
+        let best = (0..size).max_by(|&i, &j| z[i].abs().total_cmp(&z[j].abs()));
+        let reached: f64 = z.iter().zip(&probe).map(|(z, x)| z * x).sum();
+        match best {
+            Some(best) if z[best].abs() > reached => {
+                probe.fill(0.0);
+                probe[best] = 1.0;
+            }
+            _ => break,
+        }
+    }
+    inverse
 }
 
 #[cfg(test)]

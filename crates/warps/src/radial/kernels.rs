@@ -18,6 +18,8 @@ pub enum Kernel {
     Cubic,
     /// `r² log r` in the plane, `r` in space: the surface of least bending.
     ThinPlate,
+    /// `r² log r` in the plane and in space; in the plane it is the thin plate.
+    Logarithmic,
     /// `exp(−(r/width)²)`.
     Gaussian {
         /// The width in scene units.
@@ -47,6 +49,7 @@ impl Kernel {
             Self::Linear => "linear",
             Self::Cubic => "cubic",
             Self::ThinPlate => "thin-plate",
+            Self::Logarithmic => "logarithmic",
             Self::Gaussian { .. } => "gaussian",
             Self::Multiquadric { .. } => "multiquadric",
             Self::InverseMultiquadric { .. } => "inverse-multiquadric",
@@ -57,7 +60,7 @@ impl Kernel {
     /// Its width or radius, if it has one.
     pub fn length(self) -> Option<f64> {
         match self {
-            Self::Linear | Self::Cubic | Self::ThinPlate => None,
+            Self::Linear | Self::Cubic | Self::ThinPlate | Self::Logarithmic => None,
             Self::Gaussian { width }
             | Self::Multiquadric { width }
             | Self::InverseMultiquadric { width } => Some(width),
@@ -65,14 +68,20 @@ impl Kernel {
         }
     }
 
+    /// Whether it is 0 from some distance on.
+    pub fn is_compact(self) -> bool {
+        matches!(self, Self::Wendland { .. })
+    }
+
     /// Whether the equations of this kernel have a solution only beside an affine part, which takes away what they leave open.
     pub fn needs_affine(self) -> bool {
-        matches!(self, Self::Cubic | Self::ThinPlate)
+        matches!(self, Self::Cubic | Self::ThinPlate | Self::Logarithmic)
     }
 
     /// The formula in units of its length, or in any units if it has none: other units change what the affine part takes up.
     pub(super) fn formula<S: Space>(self) -> Formula {
         match self {
+            Self::Logarithmic => Formula::Plate,
             Self::ThinPlate if S::DIM == 2 => Formula::Plate,
             Self::Linear | Self::ThinPlate => Formula::Distance,
             Self::Cubic => Formula::Cube,
@@ -96,8 +105,11 @@ pub(super) enum Formula {
     Wendland,
 }
 
-/// Squared distances below this have the plate's value of distance 0.
+/// Added to the squared distance whose logarithm is taken: the logarithm of 0 is then a number, and no other changes that counts.
 const TINY: f64 = 1e-290;
+
+/// Centres that are looked at together. Registers hold what four logarithms need, and four keep the processor busy.
+pub(super) const TOGETHER: usize = 4;
 
 /// One kernel as a function of the squared distance `q`.
 pub(super) trait Profile {
@@ -105,6 +117,14 @@ pub(super) trait Profile {
     fn value(q: f64) -> f64;
     /// `φ(q)` of eight numbers.
     fn values<V: Simd>(v: V, q: f64x8<V>) -> f64x8<V>;
+    /// `φ(q)` of several vectors, together where that is faster.
+    #[inline(always)]
+    fn values_of_each<V: Simd>(v: V, mut q: [f64x8<V>; TOGETHER]) -> [f64x8<V>; TOGETHER] {
+        for q in &mut q {
+            *q = Self::values(v, *q);
+        }
+        q
+    }
     /// `2 dφ/dq`: the gradient is this times the way from the point. At the point itself, where it may not exist, what makes the gradient 0.
     fn slope(q: f64) -> f64;
     /// The class at the point and at the radius.
@@ -153,22 +173,29 @@ impl Profile for Cube {
     const STEEPEST: Option<f64> = None;
 }
 
-/// `q ln q`, twice `r² log r`.
+/// `q ln q`, twice `r² log r`: no root is taken. The logarithm is a polynomial with an error below one unit in the last place
+/// ([`math::ln_positive`]).
 pub(super) struct Plate;
 impl Profile for Plate {
     #[inline(always)]
     fn value(q: f64) -> f64 {
-        if q < TINY {
-            0.0
-        } else {
-            q * math::ln_positive(q)
-        }
+        q * math::ln_positive(q + TINY)
     }
     #[inline(always)]
     fn values<V: Simd>(v: V, q: f64x8<V>) -> f64x8<V> {
-        let value = q * simd::ln_positive(v, q);
-        q.simd_lt(simd::splat(v, TINY))
-            .select(simd::splat(v, 0.0), value)
+        q * simd::ln_positive(v, q + simd::splat(v, TINY))
+    }
+    #[inline(always)]
+    fn values_of_each<V: Simd>(v: V, q: [f64x8<V>; TOGETHER]) -> [f64x8<V>; TOGETHER] {
+        let mut sums = q;
+        for sum in &mut sums {
+            *sum += simd::splat(v, TINY);
+        }
+        let mut values = simd::ln_positive_each(v, sums);
+        for (value, q) in values.iter_mut().zip(q) {
+            *value = q * *value;
+        }
+        values
     }
     fn slope(q: f64) -> f64 {
         if q < TINY {

@@ -11,6 +11,9 @@
 //! which kernels need the affine part is C. A. Micchelli's, *Interpolation of Scattered Data*, Constr. Approx. 2, 1986;
 //! smoothing is G. Wahba's, *Spline Models for Observational Data*, SIAM 1990.
 
+mod cells;
+#[cfg(feature = "sparse")]
+mod compact;
 mod dense;
 pub mod kernels;
 #[cfg(feature = "recipe")]
@@ -23,12 +26,15 @@ use anamorph_core::{
     Support, Unmapped, Warp,
 };
 use anamorph_features::PointPair;
+use cells::Cells;
 use dense::Symmetric;
 pub use kernels::Kernel;
 use kernels::{Formula, Profile, with_profile};
 
-/// Most points of a warp: the equations of as many take 270 MB while they are solved.
+/// Most points of a warp whose kernel has no end: the equations of as many take 270 MB while they are solved.
 pub const MOST_POINTS: usize = 4096;
+/// Most points of a warp whose kernel ends at a radius, with the feature `sparse`.
+pub const MOST_COMPACT_POINTS: usize = 200_000;
 /// Points are met to this share of their size, or the warp is refused.
 const MET: f64 = 1e-9;
 /// Points that are nearer to a line or plane than this share of their size lie on it.
@@ -47,10 +53,29 @@ pub enum RadialError {
         point: usize,
     },
     /// More points than the equations are solved for.
-    #[error("there are {points} points, and at most {MOST_POINTS} are served; leave some out")]
+    #[error(
+        "there are {points} points, and at most {most} are served with this kernel; leave some out"
+    )]
     TooMany {
         /// How many.
         points: usize,
+        /// How many are served.
+        most: usize,
+    },
+    /// Too many points within each other's radius.
+    #[error(
+        "within the radius {radius} the {points} points have too many neighbours: their equations would take {entries} numbers, and at most \
+         {most} are served; take a smaller radius, or fewer points"
+    )]
+    TooDense {
+        /// The radius in scene units.
+        radius: f64,
+        /// How many points.
+        points: usize,
+        /// How many numbers, at least.
+        entries: usize,
+        /// How many are served.
+        most: usize,
     },
     /// A width or radius that is not positive.
     #[error("the {what} of the kernel is {value}, and must be greater than 0")]
@@ -178,6 +203,8 @@ struct Terms<S> {
     coefficients: Vec<S>,
     /// Those of 1 and of each coordinate of the place; empty without an affine part.
     affine: Vec<S>,
+    /// The points by place, where the kernel ends at 1 and they are many.
+    cells: Option<Cells>,
 }
 
 impl<S: Space> Terms<S> {
@@ -228,15 +255,29 @@ impl<S: Space> RadialWarp<S> {
             places: Vec::new(),
             coefficients: Vec::new(),
             affine: Vec::new(),
+            cells: None,
         };
         terms.places = sources.iter().map(|&p| terms.place(p)).collect();
         let formula = kernel.formula::<S>();
+        if kernel.is_compact() && sources.len() >= cells::WORTHWHILE {
+            terms.cells = Some(Cells::new(&terms.places));
+        }
         let moves: Vec<S> = kept
             .iter()
             .map(|&i| pairs[i].target - pairs[i].source)
             .collect();
+        #[cfg(feature = "sparse")]
+        let condition = if kernel.is_compact() && sources.len() >= compact::WORTHWHILE {
+            compact::solve(&mut terms, &moves, affine, smoothing)?
+        } else {
+            with_profile!(formula, P => solve::<P, S>(&mut terms, &moves, affine, smoothing))
+        };
+        #[cfg(not(feature = "sparse"))]
         let condition =
             with_profile!(formula, P => solve::<P, S>(&mut terms, &moves, affine, smoothing));
+        if let Some(cells) = &mut terms.cells {
+            cells.set(&terms.coefficients);
+        }
         let warp = Self {
             pairs,
             kernel,
@@ -272,13 +313,14 @@ impl<S: Space> RadialWarp<S> {
         }
         let places = &self.terms.places;
         let mut nearest = (f64::INFINITY, 0, 0);
-        for i in 1..places.len() {
-            for j in 0..i {
+        for i in 0..places.len() {
+            // Points farther than the radius from all others are no trouble.
+            self.terms.in_reach(places[i], |j| {
                 let q = squared(places[i], places[j]);
-                if q < nearest.0 {
+                if j < i && q < nearest.0 {
                     nearest = (q, j, i);
                 }
-            }
+            });
         }
         Err(RadialError::IllConditioned {
             condition: self.condition,
@@ -332,10 +374,14 @@ fn check<S: Space>(
     if let Some(point) = pairs.iter().position(|pair| !finite(pair)) {
         return Err(RadialError::NotFinite { point });
     }
-    if pairs.len() > MOST_POINTS {
-        return Err(RadialError::TooMany {
-            points: pairs.len(),
-        });
+    let most = if kernel.is_compact() && cfg!(feature = "sparse") {
+        MOST_COMPACT_POINTS
+    } else {
+        MOST_POINTS
+    };
+    if pairs.len() > most {
+        let points = pairs.len();
+        return Err(RadialError::TooMany { points, most });
     }
     if let Some(value) = kernel.length().filter(|l| !(*l > 0.0 && l.is_finite())) {
         let what = if matches!(kernel, Kernel::Wendland { .. }) {
@@ -472,11 +518,20 @@ fn solve<P: Profile, S: Space>(
 
 impl<S: Space> Deformation<S> for RadialWarp<S> {
     fn map(&self, site: &Site<S>) -> S {
+        if self.terms.cells.is_some() {
+            let mut point = [site.point];
+            self.map_points(site.index, &mut point);
+            return point[0];
+        }
         with_profile!(self.formula, P => vectors::one::<P, S>(&self.terms, site.point))
     }
 
     fn map_points(&self, _: usize, points: &mut [S]) -> Unmapped {
         let terms = &self.terms;
+        if let Some(cells) = &terms.cells {
+            dispatch!(Level::new(), v => cells::run::<_, kernels::Wendland, S>(v, terms, cells, points));
+            return Unmapped::none();
+        }
         with_profile!(self.formula, P => {
             dispatch!(Level::new(), v => vectors::run::<_, P, S>(v, terms, points));
         });
@@ -514,10 +569,11 @@ impl<S: Space> Deformation<S> for RadialWarp<S> {
         if let [_, columns @ ..] = terms.affine.as_slice() {
             sum = S::Linear::from_columns(|axis| columns[axis]);
         }
-        for (&c, &at) in terms.coefficients.iter().zip(&terms.places) {
+        terms.in_reach(place, |j| {
+            let at = terms.places[j];
             let slope = with_profile!(self.formula, P => P::slope(squared(place, at)));
-            sum = sum + S::Linear::outer(c, (place - at) * slope);
-        }
+            sum = sum + S::Linear::outer(terms.coefficients[j], (place - at) * slope);
+        });
         Some(S::Linear::IDENTITY + sum * terms.scale)
     }
 }
@@ -532,11 +588,13 @@ impl<S: Space> Warp<S> for RadialWarp<S> {
                 out.push(address, strength, 1.0);
             }
         };
-        for (j, &at) in terms.places.iter().enumerate() {
-            push(
-                j,
-                with_profile!(self.formula, P => P::value(squared(place, at))),
-            );
+        let mut near = Vec::new();
+        terms.in_reach(place, |j| near.push(j));
+        // In the order of the points, not of their cells.
+        near.sort_unstable();
+        for j in near {
+            let q = squared(place, terms.places[j]);
+            push(j, with_profile!(self.formula, P => P::value(q)));
         }
         for k in 0..terms.affine.len() {
             let strength = if k == 0 { 1.0 } else { place.component(k - 1) };

@@ -36,6 +36,8 @@ enum KernelName {
     Cubic,
     /// `r² log r` in the plane, `r` in space.
     ThinPlate,
+    /// `r² log r` in the plane and in space.
+    Logarithmic,
     /// `exp(−(r/width)²)`.
     Gaussian,
     /// `√(r² + width²)`.
@@ -121,6 +123,7 @@ fn located(from_files: usize, error: &RadialError) -> ConstructError {
             "point".to_owned()
         }
         RadialError::Length { what, .. } => (*what).to_owned(),
+        RadialError::TooDense { .. } => "radius".to_owned(),
         RadialError::Smoothing { .. } => "smoothing".to_owned(),
         RadialError::NeedsAffine { .. } => "affine".to_owned(),
     };
@@ -129,6 +132,7 @@ fn located(from_files: usize, error: &RadialError) -> ConstructError {
             "add a table `[[warp.point]]` with `from` and `to`, or name files as `source` and `target`"
         }
         RadialError::NeedsAffine { .. } => "remove `affine`, or take another kernel",
+        RadialError::TooMany { .. } => "of all kernels, \"wendland\" serves the most points",
         _ => "",
     };
     ConstructError::new(path, error.to_string()).with_hint(hint)
@@ -152,6 +156,7 @@ fn kernel<S: Space>(
         KernelName::Linear => Kernel::Linear,
         KernelName::Cubic => Kernel::Cubic,
         KernelName::ThinPlate => Kernel::ThinPlate,
+        KernelName::Logarithmic => Kernel::Logarithmic,
         KernelName::Gaussian => Kernel::Gaussian {
             width: length(p.width, "width")?,
         },

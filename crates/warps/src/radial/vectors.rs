@@ -4,10 +4,10 @@
 //!
 //! *Source*: Arad et al. 1994; the arrangement is a decision.
 
-use super::kernels::Profile;
+use super::kernels::{Profile, TOGETHER};
 use super::{Terms, squared};
 use anamorph_core::Space;
-use anamorph_core::simd::{self, LANES, Simd, prelude::*};
+use anamorph_core::simd::{self, LANES, Simd, f64x8, prelude::*};
 
 /// The image of a point.
 pub(super) fn one<P: Profile, S: Space>(terms: &Terms<S>, p: S) -> S {
@@ -27,7 +27,19 @@ pub(super) fn one<P: Profile, S: Space>(terms: &Terms<S>, p: S) -> S {
     p.moved_by(moved)
 }
 
-/// Moves a run of points.
+/// Squared distances of eight places from a centre; the operations of [`squared`].
+#[inline(always)]
+fn apart<V: Simd, S: Space>(v: V, place: &simd::Block<V>, at: S) -> f64x8<V> {
+    let d = place[0] - simd::splat(v, at.component(0));
+    let mut q = d * d;
+    for (axis, &place) in place.iter().enumerate().take(S::DIM).skip(1) {
+        let d = place - simd::splat(v, at.component(axis));
+        q += d * d;
+    }
+    q
+}
+
+/// Moves a run of points. Centres are taken four at a time, and added one after the other.
 #[inline(always)]
 pub(super) fn run<V: Simd, P: Profile, S: Space>(v: V, terms: &Terms<S>, points: &mut [S]) {
     let number = |x: f64| simd::splat(v, x);
@@ -41,17 +53,25 @@ pub(super) fn run<V: Simd, P: Profile, S: Space>(v: V, terms: &Terms<S>, points:
                 (block[axis] - number(terms.centre.component(axis))) * number(terms.scale);
         }
         let mut moved = [number(0.0); 3];
-        for (c, at) in terms.coefficients.iter().zip(&terms.places) {
-            let d = place[0] - number(at.component(0));
-            let mut q = d * d;
-            for (axis, &place) in place.iter().enumerate().take(S::DIM).skip(1) {
-                let d = place - number(at.component(axis));
-                q += d * d;
+        let (groups, rest) = terms.places.as_chunks::<TOGETHER>();
+        let (shares, last) = terms.coefficients.as_chunks::<TOGETHER>();
+        for (group, shares) in groups.iter().zip(shares) {
+            let mut q = [number(0.0); TOGETHER];
+            for (q, &at) in q.iter_mut().zip(group) {
+                *q = apart::<V, S>(v, &place, at);
             }
-            if P::COMPACT && q.simd_ge(number(1.0)).all_true() {
+            if P::COMPACT && q.iter().all(|q| q.simd_ge(number(1.0)).all_true()) {
                 continue;
             }
-            let value = P::values(v, q);
+            let values = P::values_of_each(v, q);
+            for (&c, value) in shares.iter().zip(values) {
+                for (axis, moved) in moved.iter_mut().enumerate().take(S::DIM) {
+                    *moved += number(c.component(axis)) * value;
+                }
+            }
+        }
+        for (&c, &at) in last.iter().zip(rest) {
+            let value = P::values(v, apart::<V, S>(v, &place, at));
             for (axis, moved) in moved.iter_mut().enumerate().take(S::DIM) {
                 *moved += number(c.component(axis)) * value;
             }
