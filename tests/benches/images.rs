@@ -8,8 +8,8 @@
 use anamorph_core::glam::{DVec2, dvec2};
 use anamorph_core::{Deformation, Plane, Scaling};
 use anamorph_features::{Element, ElementPair, PointPair};
-use anamorph_morph::grid::{CoordinateGrid, GridWarp, Spline, TwoPassMemory, two_pass_into};
 use anamorph_io::images::{EncodeOptions, ImageFile, ImageFormat, ImageLimits};
+use anamorph_morph::grid::{CoordinateGrid, GridWarp, Spline, TwoPassMemory, two_pass_into};
 use anamorph_raster::{
     Edge, Filter, Hierarchy, PixelMap, Raster, Window, hierarchical_map, hierarchical_map_into,
     resample_into,
