@@ -1,7 +1,7 @@
 //! Snakes, previews and frames of images by the command, and what it says of image files.
 
 // Helpers of tests outside of test functions.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
 

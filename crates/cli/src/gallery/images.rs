@@ -4,7 +4,7 @@
 
 use super::page::{escape, highlighted};
 use crate::arguments::GalleryOptions;
-use crate::commands::morph::{frames, overlay};
+use crate::commands::morph::{Places, frames, overlay};
 use crate::error::Failure;
 use crate::files::Pending;
 use crate::meshes::RecipeFiles;
@@ -156,11 +156,7 @@ fn colours(image: &ImageFile) -> Result<Raster, Failure> {
 }
 
 /// An image warped by a recipe, with the features before and after.
-fn warped(
-    image: &Raster,
-    recipe: &str,
-    name: &str,
-) -> Result<(Raster, [Vec<Vec<DVec2>>; 2]), Failure> {
+fn warped(image: &Raster, recipe: &str, name: &str) -> Result<(Raster, [Places; 2]), Failure> {
     let window = image.window();
     let size = dvec2(window.width() as f64, window.height() as f64);
     let recipe = Recipe::from_toml(recipe, name).map_err(Failure::new)?;

@@ -41,13 +41,16 @@ pub(crate) fn run(options: &MorphOptions) -> Result<(), Failure> {
     pool.install(|| Morph::prepare(options)?.write())
 }
 
+/// The places of features, a list each.
+pub(crate) type Places = Vec<Vec<DVec2>>;
+
 /// Frames between two images of one layer, at times from 0 to 1, each with the places of its features.
 pub(crate) fn frames(
     images: [&ImageFile; 2],
     recipe: Recipe,
     beside: RecipeFiles,
     times: &[f64],
-) -> Result<Vec<(Raster, Vec<Vec<DVec2>>)>, Failure> {
+) -> Result<Vec<(Raster, Places)>, Failure> {
     let display = images[0].display();
     let lies = [images[0], images[1]].map(|image| Lie::of(image.display(), display, None, "image"));
     let [first, second] = lies;

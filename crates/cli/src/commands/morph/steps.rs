@@ -294,6 +294,15 @@ impl Step {
             .zip(lies.into_iter().zip(names))
         {
             lie.refuse_far(list, name)?;
+            let vanishes = |places: &Vec<DVec2>| matches!(places.as_slice(), [a, b] if a == b);
+            if let Some(number) = list.iter().position(vanishes) {
+                let place = list[number][0];
+                return Err(Failure::new(format!(
+                    "{name}: feature {number} is a line without length, at ({}, {}); move one of its ends",
+                    short(place.x),
+                    short(place.y)
+                )));
+            }
         }
         let found = (features.title.clone(), features.sources.len());
         if self.recipe.track_count() == 0 {
