@@ -547,7 +547,12 @@ pub(super) fn warp_image(job: &Job, run: &Run<'_>, mut image: ImageFile) -> Resu
     let given = given.map(|path| read_stmap(path, display)).transpose()?;
     let before = job.preview.as_ref().map(|_| image.light()).transpose();
     let before = before.map_err(|error| wrong(&error))?;
+    let (given, shown) = given.unzip();
     let drawn = draw(&mut image, &ways, &drawing, given)?;
+    if let Some(shown) = shown {
+        // The picture is where the map is.
+        image.set_display(shown).map_err(|error| wrong(&error))?;
+    }
 
     let mut files = Vec::new();
     let mut begin = |path: &PathBuf| -> Result<usize, Failure> {

@@ -29,7 +29,7 @@ pub(super) fn stmap(map: &PixelMap, display: Window) -> Result<ImageFile, Failur
 }
 
 /// The map that a file holds, for an image with that display window.
-pub(super) fn read_stmap(path: &Path, display: Window) -> Result<PixelMap, Failure> {
+pub(super) fn read_stmap(path: &Path, display: Window) -> Result<(PixelMap, Window), Failure> {
     let wrong =
         |error: &dyn core::fmt::Display| Failure::new(format!("{}: {error}", files::shown(path)));
     let bytes = files::read(path)?;
@@ -49,7 +49,8 @@ pub(super) fn read_stmap(path: &Path, display: Window) -> Result<PixelMap, Failu
         ));
     };
     let (width, height) = (display.width() as f64, display.height() as f64);
-    PixelMap::from_positions(raster.window(), |column, row| {
+    let shown = raster.display();
+    let map = PixelMap::from_positions(raster.window(), |column, row| {
         let pixel = raster.pixel(column, row);
         let at = |channel: usize| pixel.get(channel).map_or(f64::NAN, |&s| f64::from(s));
         let (u, v) = (at(u), at(v));
@@ -58,7 +59,8 @@ pub(super) fn read_stmap(path: &Path, display: Window) -> Result<PixelMap, Failu
         }
         display.corner() + dvec2(u * width, (1.0 - v) * height)
     })
-    .map_err(|error| wrong(&error))
+    .map_err(|error| wrong(&error))?;
+    Ok((map, shown))
 }
 
 /// How far each source pixel moves, in pixels, v going up. Pixels that go nowhere have 0.

@@ -58,11 +58,11 @@ const CATS: &str = "version = 1\n\n[[warp]]\nkind = \"thin-plate\"\nsource = \"c
     point = [ # the border stays\n  { from = [\"0%\", \"0%\"] }, { from = [\"50%\", \"0%\"] }, { from = [\"100%\", \"0%\"] },\n  \
     { from = [\"0%\", \"50%\"] }, { from = [\"100%\", \"50%\"] },\n  \
     { from = [\"0%\", \"100%\"] }, { from = [\"50%\", \"100%\"] }, { from = [\"100%\", \"100%\"] },\n]\n";
-const FACES: &str = "version = 1\n\n[time]\ndissolve = { start = 0.2, end = 0.8, ease = \"sine\" }\n\n[[warp]]\nkind = \"lines\"\n\
+const FACES: &str = "version = 1\n\n[time]\ndissolve = { start = 0.2, end = 0.8, ease = \"cubic\" }\n\n[[warp]]\nkind = \"lines\"\n\
     p = 0.25\nsource = \"mona-lisa.landmarks.json\"\ntarget = \"girl-with-a-pearl-earring.landmarks.json\"\n";
-const HEAD: &str = "version = 1\n\n[[warp]]\nkind = \"lines\"\np = 0.5\nline = [\n  \
-    { source = [[70, 45], [126, 50]], target = [[74, 32], [122, 60]] }, # the eyes tilt\n  \
-    { source = [[103, 72], [103, 105]], target = [[92, 74], [80, 104]] },\n  \
+const HEAD: &str = "version = 1\n\n[[warp]]\nkind = \"lines\"\na = 4\np = 0.5\nline = [\n  \
+    { source = [[70, 45], [126, 50]], target = [[73, 36], [123, 58]] }, # the eyes tilt\n  \
+    { source = [[103, 72], [103, 105]], target = [[98, 72], [93, 104]] },\n  \
     { source = [[2, 2], [178, 2]] },\n  { source = [[2, 118], [178, 118]] },\n]\n";
 /// Two crossing lines, one of them turned by 60 degrees.
 const CROSSED: [&str; 2] = [

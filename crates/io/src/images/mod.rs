@@ -233,6 +233,22 @@ impl ImageFile {
     pub fn display(&self) -> Window {
         self.display
     }
+    /// Changes what a viewer shows; the pixels stay as they are.
+    ///
+    /// # Errors
+    /// [`ImageError::Cannot`] for a window beyond what OpenEXR can say.
+    pub fn set_display(&mut self, display: Window) -> Result<(), ImageError> {
+        if let Kept::OpenExr(kept) = &mut self.kept {
+            kept.set_display(display)?;
+        }
+        self.display = display;
+        for layer in &mut self.layers {
+            for raster in [&mut layer.raster, &mut layer.identifiers] {
+                *raster = raster.take().map(|raster| raster.with_display(display));
+            }
+        }
+        Ok(())
+    }
     /// The layers; at least one.
     pub fn layers(&self) -> &[ImageLayer] {
         &self.layers

@@ -23,6 +23,11 @@ type Exr = Image<Layers<AnyChannels<FlatSamples>>>;
 pub(super) struct Kept(Exr);
 
 impl Kept {
+    /// Changes what a viewer shows.
+    pub(super) fn set_display(&mut self, display: Window) -> Result<(), ImageError> {
+        self.0.attributes.display_window = bounds(display)?;
+        Ok(())
+    }
     /// What packs the samples of a layer.
     pub(super) fn compression(&self, layer: usize) -> Option<String> {
         let layer = self.0.layer_data.get(layer)?;
