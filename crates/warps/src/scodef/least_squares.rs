@@ -209,8 +209,13 @@ impl PseudoInverse {
 mod tests {
     use super::*;
 
+    /// Numbers in [−1, 1) without a pattern (G. Steele et al., *Fast Splittable Pseudorandom Number Generators*, 2014).
     fn entry(i: usize, j: usize) -> f64 {
-        ((i * 7919 + j * 104_729 + i * j * 31) % 1000) as f64 / 500.0 - 1.0
+        let mut x = (i * 1024 + j + 1) as u64;
+        x = x.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
     /// A product of so many columns and rows.
