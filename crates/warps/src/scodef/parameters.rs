@@ -198,3 +198,110 @@ pub(crate) fn scodef<S: Space>() -> WarpEntry<S> {
         construct: construct::<S>,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anamorph_catalog::serde_json::json;
+    use anamorph_core::{Bounds, Deformation, Site, Solid, glam::dvec3};
+
+    fn build(value: &Value) -> Result<Built<Solid>, ConstructError> {
+        let bounds = Some(Bounds::new(Solid::ZERO, dvec3(10.0, 20.0, 40.0)));
+        let context = Context {
+            bounds,
+            ..Context::default()
+        };
+        (scodef().construct)(value, &context)
+    }
+
+    #[test]
+    fn a_list_of_radii_is_of_the_extents_and_a_length_of_the_diagonal() {
+        let at = |built: &Built<Solid>, p: Solid| built.warp.map(&Site::anywhere(p)) - p;
+        let point = json!([{ "from": "50%", "by": ["10%", 0, 0] }]);
+        let own = json!({ "basis": "box", "radius": ["40%", "40%", 3], "point": point });
+        let built = build(&own).ok().unwrap();
+        let middle = dvec3(5.0, 10.0, 20.0);
+        for (axis, radius) in [(0, 4.0), (1, 8.0), (2, 3.0)] {
+            let along = Solid::unit(axis) * radius;
+            assert_eq!(at(&built, middle + along), Solid::ZERO);
+            let half = at(&built, middle + along * 0.5);
+            assert!((half - Solid::X * 0.25).length() < 1e-14);
+        }
+        let built = build(&json!({ "radius": "20%", "point": point }))
+            .ok()
+            .unwrap();
+        let radius = 0.2 * 2100.0_f64.sqrt();
+        let half = at(&built, middle + Solid::Y * (0.5 * radius));
+        assert!((half - Solid::X * 0.25).length() < 1e-12);
+    }
+
+    #[test]
+    fn it_is_built_again_between_other_points_with_the_same_radii() {
+        let value = json!({ "radius": 6, "point": [
+            { "from": [1, 1, 1], "by": [1, 0, 0] }, { "from": [4, 1, 1], "radius": 2 },
+        ] });
+        let features = build(&value).ok().unwrap().features.unwrap();
+        assert_eq!(features.sources.len(), 2);
+        let (from, to) = (dvec3(2.0, 1.0, 1.0), dvec3(2.0, 3.0, 1.0));
+        let still = dvec3(9.0, 1.0, 1.0);
+        let between = (features.with)(&[vec![from], vec![still]], &[vec![to], vec![still]]);
+        let between = between.ok().unwrap();
+        let at = |p: Solid| between.map(&Site::anywhere(p)) - p;
+        assert!((at(from) - (to - from)).length() < 1e-14);
+        // Six from the first and two from the second: in reach of neither.
+        assert_eq!(at(dvec3(9.0, 3.5, 1.0)), Solid::ZERO);
+        assert!(at(dvec3(7.5, 1.0, 1.0)).length() > 0.0);
+    }
+
+    #[test]
+    fn errors_say_where_they_are() {
+        let rows = [
+            (json!({ "radius": 1 }), "point", "no point"),
+            (
+                json!({ "point": [{ "from": "1%" }] }),
+                "point.0",
+                "no `radius`",
+            ),
+            (
+                json!({ "point": [{ "from": "1%", "radius": 0 }] }),
+                "point.0.radius",
+                "greater than 0",
+            ),
+            (
+                json!({ "radius": [1, 2, 3], "point": [{ "from": "1%" }] }),
+                "radius",
+                "one radius",
+            ),
+            (
+                json!({ "basis": "box", "radius": [1, 2], "point": [{ "from": "1%" }] }),
+                "radius",
+                "[x, y, z]",
+            ),
+            (
+                json!({ "basis": "box", "point": [{ "from": "1%", "radius": [1, -2, 3] }] }),
+                "point.0.radius",
+                "along y is -2",
+            ),
+            (
+                json!({ "radius": true, "point": [{ "from": "1%" }] }),
+                "radius",
+                "a radius is a length",
+            ),
+            (
+                json!({ "basis": "spline", "radius": 1, "point": [{ "from": "1%" }] }),
+                "basis",
+                "b-spline",
+            ),
+            (
+                json!({ "radius": 1, "point": [{ "from": "1%" }, { "from": "2%" }, { "from": "1%", "by": "3%" }] }),
+                "point.2",
+                "points 0 and 2",
+            ),
+        ];
+        for (value, path, words) in rows {
+            let error = build(&value).err().unwrap();
+            assert_eq!(error.path, path, "{error}");
+            assert!(error.to_string().contains(words), "{error}");
+        }
+    }
+}
