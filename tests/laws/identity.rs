@@ -145,6 +145,10 @@ fn identity_targets_move_nothing<S: Registered>() {
             "frames",
             "frame = [{ at = \"50%\" }, { at = \"20%\", scale = 1 }]".to_owned(),
         ),
+        (
+            "scodef",
+            "radius = \"40%\"\npoint = [{ from = \"50%\" }, { from = \"60%\", radius = \"20%\" }]".to_owned(),
+        ),
         ("lattice", format!("shape = {}", all("4"))),
         (
             "lattice",

@@ -11,4 +11,5 @@ mod lines;
 mod multilevel;
 mod planes;
 mod radial;
+mod scodef;
 mod wires;

@@ -92,8 +92,33 @@ pub fn settings<S: Registered>() -> Vec<Setting> {
     meshes(&mut list);
     curves(&mut list);
     radial(&mut list);
+    scodef(&mut list);
     multilevel(&mut list);
     list.all
+}
+
+fn scodef<S: Registered>(list: &mut List<S>) {
+    // Overlapping, apart, one within another; two in one place; so near to each other that they depend.
+    let spread = "point = [{ from = \"20%\", by = «\"9%\";0;\"3%\"» }, { from = «\"60%\";\"20%\";\"50%\"», by = \"7%\", radius = \"15%\" }, \
+         { from = «\"65%\";\"30%\";\"45%\"» }, { from = \"85%\", by = «0;\"-6%\";\"5%\"», radius = \"60%\" }]";
+    let twice = "point = [{ from = \"40%\", by = \"5%\" }, { from = \"40%\", by = \"5%\" }, \
+         { from = \"70%\", by = «\"-4%\";\"3%\";0» }, { from = \"70%\", by = «\"-4%\";\"3%\";0», radius = \"20%\" }]";
+    let near = "point = [{ from = \"50%\", by = \"5%\" }, { from = \"50.00000001%\", by = «\"5%\";\"-4%\";0» }, { from = \"80%\" }]";
+    for points in [spread, twice, near] {
+        list.add("scodef", &[None], &format!("radius = \"35%\"\n{points}"));
+        for more in ["", "basis = \"box\"\n"] {
+            list.add(
+                "scodef",
+                &[None],
+                &format!("{more}radius = \"90%\"\n{points}"),
+            );
+        }
+        list.add(
+            "scodef",
+            &[None],
+            &format!("basis = \"box\"\nradius = «\"50%\";\"20%\";\"70%\"»\n{points}"),
+        );
+    }
 }
 
 fn multilevel<S: Registered>(list: &mut List<S>) {
@@ -685,6 +710,12 @@ pub fn retargetings<S: Registered>() -> Vec<[Setting; 2]> {
             "kernel = \"multiquadric\"\nwidth = \"20%\"\naffine = false\n",
             "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }]",
             "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"», by = \"9%\" }]",
+        ),
+        (
+            "scodef",
+            "radius = \"60%\"\n",
+            "point = [{ from = \"30%\", by = \"9%\" }, { from = «\"60%\";\"20%\";\"50%\"» }]",
+            "point = [{ from = \"30%\" }, { from = «\"60%\";\"20%\";\"50%\"», by = \"-12%\" }]",
         ),
         (
             "multilevel",

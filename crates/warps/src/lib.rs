@@ -9,6 +9,7 @@
 //! - [`multilevel`]: hierarchies of lattices fitted to points.
 //! - [`polynomials`]: polynomials of the coordinates, fitted to points.
 //! - [`radial`]: radial basis functions and thin plates through points.
+//! - [`scodef`]: points with displacements, each with a surrounding of its own.
 //! - [`wires`]: curves that are bent, and the model near them follows; axes that bend.
 //!
 //! Each warp is built by a `construct` function that checks its parameters and returns a typed error, and is a
@@ -41,4 +42,5 @@ pub mod polynomials;
 pub mod radial;
 #[cfg(feature = "recipe")]
 pub mod registry;
+pub mod scodef;
 pub mod wires;

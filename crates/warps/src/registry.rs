@@ -5,7 +5,7 @@
 //! *Source*: Milliron et al. 2002, §3–§6 for the order.
 
 use crate::{
-    barr, features, grids, lattices, lines, meshes, multilevel, polynomials, radial, wires,
+    barr, features, grids, lattices, lines, meshes, multilevel, polynomials, radial, scodef, wires,
 };
 use anamorph_catalog::WarpEntry;
 use anamorph_core::{Plane, Solid};
@@ -28,6 +28,7 @@ fn both<S: Rotational>() -> Vec<WarpEntry<S>> {
         meshes::parameters::mesh(),
         radial::parameters::radial(),
         radial::parameters::thin_plate(),
+        scodef::parameters::scodef(),
         polynomials::parameters::polynomial(),
         multilevel::parameters::multilevel(),
     ]

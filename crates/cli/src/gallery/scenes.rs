@@ -104,6 +104,7 @@ pub(super) static PARTS: &[Part] = &[
             scene!("elements", TEAPOT, ThreeQuarter),
             scene!("radial", SPOT, BackQuarter),
             scene!("thin-plate", GRID, Front),
+            scene!("scodef", TEAPOT, ThreeQuarter),
             scene!("multilevel", GRID, Front),
             scene!("polynomial", GRID, Front),
             scene!("grid", GRID, Front),
