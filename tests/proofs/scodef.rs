@@ -20,7 +20,7 @@ fn constraints<S: Space>(random: &mut Random, count: usize, radius: f64) -> Vec<
             continue;
         }
         let radii = S::from_fn(|_| random.between(0.7, 1.3) * radius);
-        let basis = if list.len() % 2 == 0 {
+        let basis = if list.len().is_multiple_of(2) {
             Basis::BSpline {
                 radius: radii.component(0),
             }

@@ -122,8 +122,11 @@ impl<W: Write> Animation<W> {
                 let (width, height) = (side(width)?, side(height)?);
                 let mut frame =
                     gif::Frame::from_palette_pixels(width, height, indices, palette, None);
-                // Two hundredths of a second at least: players take less for ten.
-                frame.delay = units(100.0 / self.rate).max(2);
+                // Each picture ends where the clock's hundredths are nearest to its time, so that the whole lasts as long as it should;
+                // two hundredths at least: players take less for ten.
+                #[allow(clippy::cast_precision_loss)]
+                let at = |picture: usize| (100.0 * picture as f64 / self.rate).round();
+                frame.delay = units(at(self.pushed) - at(self.pushed - 1)).max(2);
                 encoder.write_frame(&frame).map_err(|error| failed(&error))
             }
             Encoder::Apng(writer, rows) => {
@@ -245,7 +248,7 @@ fn begin<W: Write>(
                 .set_animated(count, 0)
                 .map_err(|error| failed(&error))?;
             encoder
-                .set_frame_delay(units(1000.0 / rate), 1000)
+                .set_frame_delay(100, units(100.0 * rate))
                 .map_err(|error| failed(&error))?;
             let writer = encoder.write_header().map_err(|error| failed(&error))?;
             Ok(Encoder::Apng(Box::new(writer), Vec::new()))
@@ -278,11 +281,14 @@ mod tests {
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut decoder = options.read_info(bytes.as_slice()).unwrap();
-        let mut shades = Vec::new();
+        let (mut shades, mut delays) = (Vec::new(), Vec::new());
         while let Some(frame) = decoder.read_next_frame().unwrap() {
-            assert_eq!((frame.width, frame.height, frame.delay), (6, 4, 8));
+            assert_eq!((frame.width, frame.height), (6, 4));
+            delays.push(frame.delay);
             shades.push(frame.buffer[0]);
         }
+        // Three twelfths of a second are 25 hundredths.
+        assert_eq!(delays, [8, 9, 8]);
         // The network's colours are near, not exact, and the pattern shifts them by up to two.
         assert_eq!(shades.len(), 3);
         for (shade, expected) in shades.iter().zip([0_u8, 188, 255]) {

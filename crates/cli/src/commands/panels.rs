@@ -131,12 +131,48 @@ impl Panels {
 
     /// Draws a line twice, so that it shows on any ground.
     fn line(&mut self, panel: usize, points: &[Plane], ink: Ink, halo: Ink, width: f64) {
-        // Parts that go nowhere are left out.
+        // Parts that go nowhere are left out, and what lies beyond the panel.
         for part in points.split(|point| !point.is_finite()) {
-            let places: Vec<_> = part.iter().map(|&p| self.place(panel, p)).collect();
-            self.figure.line(&places, halo, (width + 1.6) * self.unit);
-            self.figure.line(&places, ink, width * self.unit);
+            for seen in self.seen(part) {
+                let places: Vec<_> = seen.iter().map(|&p| self.place(panel, p)).collect();
+                self.figure.line(&places, halo, (width + 1.6) * self.unit);
+                self.figure.line(&places, ink, width * self.unit);
+            }
         }
+    }
+
+    /// The runs of a line that a panel shows (Y.-D. Liang and B. A. Barsky, *A New Concept and Method for Line Clipping*, ACM TOG 3(1), 1984).
+    fn seen(&self, line: &[Plane]) -> Vec<Vec<Plane>> {
+        let low = self.shown.corner();
+        let high = low + dvec2(self.shown.width() as f64, self.shown.height() as f64);
+        let mut runs: Vec<Vec<Plane>> = Vec::new();
+        for pair in line.windows(2) {
+            let (from, along) = (pair[0], pair[1] - pair[0]);
+            let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+            for axis in 0..2 {
+                for (side, room) in [
+                    (-along[axis], from[axis] - low[axis]),
+                    (along[axis], high[axis] - from[axis]),
+                ] {
+                    if side < 0.0 {
+                        enter = enter.max(room / side);
+                    } else if side > 0.0 {
+                        leave = leave.min(room / side);
+                    } else if room < 0.0 {
+                        leave = -1.0;
+                    }
+                }
+            }
+            if enter > leave {
+                continue;
+            }
+            let (first, last) = (from + along * enter, from + along * leave);
+            match runs.last_mut() {
+                Some(run) if run.last() == Some(&first) => run.push(last),
+                _ => runs.push(vec![first, last]),
+            }
+        }
+        runs
     }
 
     /// Draws a square grid over `window`, moved by `moved`.
@@ -189,6 +225,9 @@ impl Panels {
 
     /// Draws a point.
     pub(super) fn dot(&mut self, panel: usize, point: Plane, ink: Ink, radius: f64) {
+        if self.seen(&[point, point]).is_empty() {
+            return;
+        }
         let at = self.place(panel, point);
         let halo = Ink::new(255, 255, 255).fading(0.8);
         self.figure.disc(at, (radius + 0.8) * self.unit, halo);

@@ -6,7 +6,8 @@ use super::{
 };
 use crate::Lost;
 use anamorph_raster::{Raster, Window};
-use exr::meta::attribute::LevelMode;
+use exr::image::Blocks;
+use exr::meta::attribute::{LevelMode, LineOrder};
 use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{
     AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, ImageAttributes,
@@ -432,7 +433,8 @@ pub(super) fn created(
         size: bounds_of_data.size,
         encoding: Encoding {
             compression: Compression::ZIP16,
-            ..Encoding::default()
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
         },
     };
     let mut layers = Layers::new();

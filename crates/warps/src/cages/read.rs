@@ -232,7 +232,7 @@ impl<S: Space> Feature<S> {
                 if few {
                     "keep every vertex: undo merging and deleting, then save it again"
                 } else {
-                    "undo adding vertices, then save it again; new points belong into both files"
+                    "give both files the same points in the same order; what was added to one belongs into both"
                 },
             ));
         }

@@ -103,7 +103,7 @@ fn segments<S: Space>(
     if mesh.lines.is_empty() {
         let message = format!("{name} has no line");
         return Err(ConstructError::new(key, message).with_hint(
-            "draw lines in it: `l` elements of OBJ, edges without faces, or paths of SVG",
+            "draw lines in it: `l` elements of OBJ, edges without faces, paths of SVG, or `chains` of landmarks",
         ));
     }
     let point = |i: u32| {

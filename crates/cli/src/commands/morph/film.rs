@@ -9,6 +9,7 @@ use crate::files::{self, Pending};
 use anamorph_io::Lost;
 use anamorph_io::images::{ImageFile, ImageFormat, Y4m};
 use anamorph_preview::{Animation, AnimationFormat, Picture};
+use anamorph_raster::Raster;
 use anamorph_raster::colour::Srgb8;
 use serde_json::json;
 use std::io::Write;
@@ -206,6 +207,7 @@ impl Output {
                     for frame in frames {
                         let image = draw(frame)?;
                         let picture = image.colours().map_err(Failure::new)?;
+                        note_clipped(&image, &picture, lost);
                         if film.is_none()
                             && let Some(out) = out.take()
                         {
@@ -249,12 +251,25 @@ fn fill(
     files::keep_all([file])
 }
 
+/// Notes light that a film of codes cannot show, once.
+fn note_clipped(image: &ImageFile, picture: &Raster, lost: &mut Lost) {
+    const NOTE: &str = "light below 0 or above 1";
+    let is_open = image.format() == ImageFormat::OpenExr;
+    if is_open && !lost.0.iter().any(|note| note == NOTE) {
+        let clipped = |light: &f32| !(-1e-3..=1.001).contains(light);
+        if picture.samples().iter().any(clipped) {
+            lost.0.push(NOTE.to_owned());
+        }
+    }
+}
+
 /// An image as films without opacity show it: before white.
 fn seen(image: &ImageFile, lost: &mut Lost) -> Result<Picture, Failure> {
     let raster = image.colours().map_err(Failure::new)?;
+    note_clipped(image, &raster, lost);
     let channels = raster.channels();
     let has_alpha = matches!(channels, 2 | 4);
-    if has_alpha && lost.is_empty() {
+    if has_alpha && !lost.0.iter().any(|note| note.starts_with("alpha")) {
         lost.0
             .push("alpha: the film stands before white".to_owned());
     }

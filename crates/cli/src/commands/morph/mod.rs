@@ -155,7 +155,11 @@ impl<'a> Morph<'a> {
             for (i, (open, window)) in open.iter_mut().zip(&mut windows).enumerate() {
                 *open |= image.is_open(i) || options.fit == Some(FitName::Contain);
                 let own = image.file.layers()[i].window();
-                *window = match (*window, own.filter(|_| lie.is_own())) {
+                let own = own
+                    .map(|own| lie.window_in(own, frame))
+                    .transpose()?
+                    .flatten();
+                *window = match (*window, own) {
                     (Some(a), Some(b)) => Some(a.union(&b).map_err(Failure::new)?),
                     (a, b) => a.or(b),
                 };
@@ -469,6 +473,16 @@ impl<'a> Morph<'a> {
                 short(accuracy.measured),
                 accuracy.evaluations,
                 accuracy.pixels
+            );
+        }
+        let covers = self.template.has_alpha() || self.template.format() == ImageFormat::OpenExr;
+        let open = self
+            .layers
+            .iter()
+            .any(|layer| layer.edge == Edge::Transparent);
+        if open && !covers {
+            say!(
+                "  note: what no image covers is black, because they have no alpha; --edge clamp goes on with their borders"
             );
         }
         for note in self.template.notes() {

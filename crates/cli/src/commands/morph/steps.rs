@@ -100,9 +100,27 @@ impl Lie {
         self.display
     }
 
-    /// Whether its own pixels are the frame's.
-    pub(super) fn is_own(&self) -> bool {
-        self.to_frame.is_none()
+    /// The pixels of the frame that a window of its own pixels lies on; none where it lies beside.
+    pub(super) fn window_in(&self, own: Window, frame: Window) -> Result<Option<Window>, Failure> {
+        let Some(affine) = self.to_frame else {
+            return Ok(Some(own));
+        };
+        let size = |w: Window| dvec2(w.width() as f64, w.height() as f64);
+        let low = affine.apply(own.corner()).max(frame.corner()).floor();
+        let high = affine.apply(own.corner() + size(own));
+        let high = high.min(frame.corner() + size(frame)).ceil();
+        if !(low.cmplt(high).all()) {
+            return Ok(None);
+        }
+        let extent = high - low;
+        Window::new(
+            low.x as i64,
+            low.y as i64,
+            extent.x as usize,
+            extent.y as usize,
+        )
+        .map(Some)
+        .map_err(Failure::new)
     }
 
     fn place(&self, own: DVec2) -> DVec2 {
