@@ -226,7 +226,7 @@ mod tests {
             let slope = (u[next] - u[i]) / h;
             out[next] += slope * alpha;
             out[i] -= slope * alpha;
-            let following = if closed { i + 1 } else { i + 1 };
+            let following = i + 1;
             if !closed && following >= lengths.len() {
                 continue;
             }

@@ -55,9 +55,6 @@ impl Output {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match (Pattern::find(path), extension.as_deref()) {
             _ if files::is_stream(path) => Ok(Self::Y4m),
-            (_, Some("y4m")) => Ok(Self::Y4m),
-            (_, Some("gif")) => Ok(Self::Animation(path.clone(), AnimationFormat::Gif)),
-            (_, Some("apng")) => Ok(Self::Animation(path.clone(), AnimationFormat::Apng)),
             (Some(pattern), _) => match image_format(path) {
                 Some(format) => Ok(Self::Numbered(pattern, format)),
                 None => Err(Failure::usage(format!(
@@ -65,6 +62,9 @@ impl Output {
                     path.display()
                 ))),
             },
+            (None, Some("y4m")) => Ok(Self::Y4m),
+            (None, Some("gif")) => Ok(Self::Animation(path.clone(), AnimationFormat::Gif)),
+            (None, Some("apng")) => Ok(Self::Animation(path.clone(), AnimationFormat::Apng)),
             (None, Some(_)) if image_format(path).is_some() => Err(Failure::usage(format!(
                 "{}: say where the frames' numbers go, as in out.%04d.png; or name a film .gif, .apng or .y4m; or ask for one image with \
                  --at 0.5",

@@ -26,6 +26,10 @@ use sources::{Image, Source};
 use std::path::PathBuf;
 use steps::{Lie, Step};
 
+/// Data windows together may have this many times the pixels that the images show.
+const GROWTH: usize = 16;
+/// Pixels that data windows may have however small the images are.
+const SMALL: usize = 1 << 22;
 /// Frames of a step if nothing is said.
 const FRAMES: usize = 25;
 
@@ -106,9 +110,13 @@ struct Layer {
     edge: Edge,
 }
 
-/// The pictures that the last frames were made of, by source and number.
+/// What drawing the frames so far has brought.
+#[derive(Default)]
 struct Known {
+    /// The pictures that the last frame was made of, by source and number.
     images: Vec<(usize, usize, Image)>,
+    /// Frames in which an image is turned over somewhere, and where the first is.
+    folded: Vec<(Frame, DVec2)>,
 }
 
 impl<'a> Morph<'a> {
@@ -177,6 +185,30 @@ impl<'a> Morph<'a> {
             features.push(format!("{title}, {count} features"));
             step.beside()
                 .refuse_replacing(options.report.iter().chain([&options.output]))?;
+        }
+        if let Some(frames) = frames.as_ref().filter(|_| steps.iter().all(Step::is_light)) {
+            // What cannot be drawn is found before anything is.
+            for frame in frames.all() {
+                let (step, time) = moment(frame.time, steps.len());
+                let lies = [&lies[step], &lies[step + 1]];
+                steps[step]
+                    .between(time, lies)
+                    .map_err(|failure| at_frame(failure, &frame))?;
+            }
+        }
+        let most = lies
+            .iter()
+            .filter_map(|lie| lie.display().pixels())
+            .sum::<usize>();
+        let most = most.saturating_mul(GROWTH).max(SMALL);
+        for window in windows.iter().flatten() {
+            if !options.allow_large && window.pixels().is_none_or(|pixels| pixels > most) {
+                return Err(Failure::new(format!(
+                    "{}: the data windows of the images together reach over {window}, far more than they show; crop them, or add \
+                     --allow-large",
+                    options.images[0].display()
+                )));
+            }
         }
         let layer = |((layer, window), open): (
             (&anamorph_io::images::ImageLayer, Option<Window>),
@@ -255,7 +287,7 @@ impl<'a> Morph<'a> {
                     .map_err(Failure::new)?,
             );
         }
-        let mut known = Known { images: Vec::new() };
+        let mut known = Known::default();
         let mut lost = Lost::default();
         let written = output.write(
             &self,
@@ -288,6 +320,7 @@ impl<'a> Morph<'a> {
         }
         if !self.options.quiet {
             self.summary(&list, written, &accuracy, &lost);
+            self.say_folds(&known);
         }
         Ok(())
     }
@@ -300,20 +333,14 @@ impl<'a> Morph<'a> {
         known: &mut Known,
     ) -> Result<ImageFile, Failure> {
         let count = self.steps.len();
-        let along = frame.time * count as f64;
-        // The last frame belongs to the last step.
-        let step = (along.floor() as usize).min(count - 1);
-        let time = along - step as f64;
+        let (step, time) = moment(frame.time, count);
         let ends = [step, step + 1];
         let lies = ends.map(|end| &self.lies[end]);
-        let between = self.steps[step]
-            .between(time, lies)
-            .map_err(|failure| match failure {
-                Failure::Message(text) if self.frames.is_some() => {
-                    Failure::Message(format!("frame {}: {text}", frame.number))
-                }
-                failure => failure,
-            })?;
+        let between = self.steps[step].between(time, lies);
+        let between = between.map_err(|failure| match self.frames {
+            Some(_) => at_frame(failure, frame),
+            None => failure,
+        })?;
         let numbers = ends.map(|end| {
             let source = &self.sources[end];
             match &self.frames {
@@ -344,6 +371,20 @@ impl<'a> Morph<'a> {
         let (Some((.., first)), Some((.., second))) = (find(ends[0]), find(ends[1])) else {
             return Err(Failure::new("an image of the morph is missing"));
         };
+        let frame_window = self.lies[0].display();
+        if let Some(place) = (0..2).find_map(|image| between.fold(image, frame_window)) {
+            known.folded.push((*frame, place));
+        }
+        // The ends are the images themselves, with all that their files hold.
+        for (image, share) in [(first, 1.0 - between.dissolve), (second, between.dissolve)]
+            .into_iter()
+            .enumerate()
+            .map(|(i, (image, share))| (image, if between.is_still(i) { share } else { 0.0 }))
+        {
+            if share == 1.0 && !self.options.draw_features && self.is_like_result(&image.file) {
+                return Ok(image.file.clone());
+            }
+        }
         let mut result = self.template.without_pixels();
         for (number, (layer, mixer)) in self.layers.iter().zip(mixers).enumerate() {
             let rasters = [first, second].map(|image| image.file.layers()[number].raster.as_ref());
@@ -393,6 +434,34 @@ impl<'a> Morph<'a> {
             )));
         }
         Ok(())
+    }
+
+    /// Whether an image has the form of the result.
+    fn is_like_result(&self, image: &ImageFile) -> bool {
+        let layers = image.layers().iter().zip(self.template.layers());
+        let mut pairs = layers.zip(&self.layers);
+        image.format() == self.template.format()
+            && pairs.all(|((own, template), layer)| {
+                own.channels() == template.channels() && own.window() == Some(layer.window)
+            })
+    }
+
+    fn say_folds(&self, known: &Known) {
+        let Some((frame, place)) = known.folded.first() else {
+            return;
+        };
+        let (x, y) = (short(place.x), short(place.y));
+        match (&self.frames, known.folded.len()) {
+            (None, _) => say!("  warning: it folds over around ({x}, {y})"),
+            (_, 1) => say!(
+                "  warning: frame {} folds over around ({x}, {y})",
+                frame.number
+            ),
+            (_, count) => say!(
+                "  warning: {count} frames fold over, the first, {}, around ({x}, {y})",
+                frame.number
+            ),
+        }
     }
 
     /// How images are encoded.
@@ -491,6 +560,21 @@ impl<'a> Morph<'a> {
         if !lost.is_empty() {
             say!("  warning: the result does not hold: {lost}");
         }
+    }
+}
+
+/// The step of a chain at a time, and its own time: the last frame belongs to the last step.
+fn moment(time: f64, steps: usize) -> (usize, f64) {
+    let along = time * steps as f64;
+    let step = (along.floor() as usize).min(steps - 1);
+    (step, along - step as f64)
+}
+
+/// A failure with the frame in which it is.
+fn at_frame(failure: Failure, frame: &Frame) -> Failure {
+    match failure {
+        Failure::Message(text) => Failure::Message(format!("frame {}: {text}", frame.number)),
+        failure => failure,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::meshes::RecipeFiles;
 use crate::model::ModelSpace;
 use anamorph_catalog::{Context, Value};
 use anamorph_core::glam::{DMat2, DVec2, dvec2};
-use anamorph_core::{Affine, Bounds, Deformation, Plane, Stack};
+use anamorph_core::{Affine, Bounds, Deformation, Plane, Site, Stack};
 use anamorph_io::landmarks::Landmarks;
 use anamorph_morph::grid::{CoordinateGrid, GridWarp, Spline};
 use anamorph_morph::images::Back;
@@ -19,6 +19,11 @@ use std::path::Path;
 
 /// Features may stand outside of an image by this share of its size; some places of a face that is cut off do.
 const FAR: f64 = 1.0;
+
+/// Features up to which all in-betweens are built before the first is drawn.
+const MANY: usize = 300;
+/// Places along each side of the frame at which folds are looked for.
+const FOLDS: usize = 24;
 
 /// Refuses landmarks that say that they are of an image of another size.
 pub(super) fn check_landmarks(path: &Path, lie: &Lie, image: &str) -> Result<(), Failure> {
@@ -261,6 +266,28 @@ pub(super) fn steps(options: &MorphOptions, images: usize) -> Result<Vec<Step>, 
 }
 
 impl Between {
+    /// Whether an image, 0 or 1, stands as it is.
+    pub(super) fn is_still(&self, image: usize) -> bool {
+        matches!(self.ways[image], Way::Still)
+    }
+
+    /// A place of the frame around which an image is turned over, if there is one.
+    pub(super) fn fold(&self, image: usize, frame: Window) -> Option<DVec2> {
+        let Way::Map(map) = &self.ways[image] else {
+            return None;
+        };
+        let size = dvec2(frame.width() as f64, frame.height() as f64);
+        let place = |i: usize| {
+            let share = |i: usize| (i as f64 + 0.5) / FOLDS as f64;
+            frame.corner() + size * dvec2(share(i % FOLDS), share(i / FOLDS))
+        };
+        let turned = |p: &DVec2| {
+            let jacobian = map.jacobian(&Site::anywhere(*p), size.length());
+            jacobian.is_some_and(|jacobian| jacobian.determinant() < 0.0)
+        };
+        (0..FOLDS * FOLDS).map(place).find(turned)
+    }
+
     /// What leads back to an image, 0 or 1.
     pub(super) fn back(&self, image: usize) -> Back<'_> {
         match &self.ways[image] {
@@ -327,6 +354,12 @@ impl Step {
             self.still = Some(features);
         }
         Ok(found)
+    }
+
+    /// Whether in-betweens are quickly built, so that all can be tried before any is drawn.
+    pub(super) fn is_light(&self) -> bool {
+        let few = |features: &MorphFeatures<Plane>| features.sources.len() <= MANY;
+        self.still.as_ref().is_some_and(few)
     }
 
     /// What is between two images at a time from 0 to 1.
@@ -409,7 +442,12 @@ impl Step {
                         return Ok(Way::Still);
                     };
                     let warp = with(&places, image).map_err(|error| {
-                        wrong(format!("feature {}: {}", error.path, error.message))
+                        let meet = if time > 0.0 && time < 1.0 {
+                            "; features that meet on their way are kept apart by a schedule, or by other targets"
+                        } else {
+                            ""
+                        };
+                        wrong(format!("feature {}: {}{meet}", error.path, error.message))
                     })?;
                     Ok(Way::Map(match fit {
                         None => Box::new(warp),
