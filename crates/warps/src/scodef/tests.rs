@@ -1,3 +1,5 @@
+//! Constraints met, alone and together; bases, supports and what is refused.
+
 use super::*;
 use anamorph_core::{Plane, Solid, glam::dvec2, glam::dvec3, map_all};
 
