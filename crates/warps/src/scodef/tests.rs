@@ -1,4 +1,7 @@
 //! Constraints met, alone and together; bases, supports and what is refused.
+//!
+//! *Source*: the formulas are those of the module above; places are a sequence by M. Roberts, *The Unreasonable Effectiveness of
+//! Quasirandom Sequences*, 2018.
 
 use super::*;
 use anamorph_core::{Plane, Solid, glam::dvec2, glam::dvec3, map_all};
