@@ -150,10 +150,10 @@ pub(crate) struct WarpOptions {
     pub force: bool,
 }
 
-/// How images are drawn.
+/// How pixels are read, and how they are kept.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Images")]
-pub(crate) struct ImageOptions {
+pub(crate) struct PixelOptions {
     /// How pixels are read between their centres: nearest, bilinear, catmull-rom, mitchell, lanczos or anisotropic, which is the
     /// default and does not alias where the image shrinks
     #[arg(long, value_name = "FILTER")]
@@ -165,6 +165,20 @@ pub(crate) struct ImageOptions {
     /// How far the place that a pixel is read from may be off, in pixels; 0 evaluates the warp at every pixel. 0.05 if left out
     #[arg(long, value_name = "PIXELS", value_parser = parse_pixels, allow_hyphen_values = true)]
     pub max_error: Option<f64>,
+    /// Quality of JPEG files, 1 to 100; 95 if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub quality: Option<u8>,
+    /// Read images that have far more pixels than the size of their file accounts for
+    #[arg(long)]
+    pub allow_large: bool,
+}
+
+/// How images are drawn.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Images")]
+pub(crate) struct ImageOptions {
+    #[command(flatten)]
+    pub pixels: PixelOptions,
     /// Look up where each pixel of the result comes from, or move the pixels of the image
     #[arg(long, value_name = "WAY")]
     pub mapping: Option<MappingName>,
@@ -181,12 +195,6 @@ pub(crate) struct ImageOptions {
     /// Write how far each pixel of the image moves: 32-bit OpenEXR, forward.u and forward.v in pixels, v up
     #[arg(long, value_name = "FILE.exr")]
     pub motion_vectors: Option<PathBuf>,
-    /// Quality of JPEG files, 1 to 100; 95 if left out
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
-    pub quality: Option<u8>,
-    /// Read images that have far more pixels than the size of their file accounts for
-    #[arg(long)]
-    pub allow_large: bool,
 }
 
 /// Turn images into one another, or draw what is between.
@@ -256,23 +264,8 @@ pub(crate) struct MorphOptions {
     /// Write a report as JSON: frames, features, how good the maps are
     #[arg(long, value_name = "FILE.json")]
     pub report: Option<PathBuf>,
-    /// How pixels are read between their centres: nearest, bilinear, catmull-rom, mitchell, lanczos or anisotropic, which is the
-    /// default and does not alias where an image shrinks
-    #[arg(long, value_name = "FILTER", help_heading = "Images")]
-    pub filter: Option<String>,
-    /// What stands beyond the pixels: clamp, wrap, mirror or transparent; transparent if left out for images with alpha or a data window
-    /// of their own, else clamp
-    #[arg(long, value_name = "EDGE", help_heading = "Images")]
-    pub edge: Option<String>,
-    /// How far the place that a pixel is read from may be off, in pixels; 0 evaluates the warp at every pixel. 0.05 if left out
-    #[arg(long, value_name = "PIXELS", value_parser = parse_pixels, allow_hyphen_values = true, help_heading = "Images")]
-    pub max_error: Option<f64>,
-    /// Quality of JPEG files, 1 to 100; 95 if left out
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "Images")]
-    pub quality: Option<u8>,
-    /// Read images that have far more pixels than the size of their file accounts for
-    #[arg(long, help_heading = "Images")]
-    pub allow_large: bool,
+    #[command(flatten)]
+    pub pixels: PixelOptions,
     /// Threads to use, 1 to 1024; as many as the machine has if left out. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub threads: Option<usize>,
@@ -309,16 +302,16 @@ impl ImageOptions {
     /// The first of them that is given.
     pub(crate) fn given(&self) -> Option<&'static str> {
         let all = [
-            (self.filter.is_some(), "--filter"),
-            (self.edge.is_some(), "--edge"),
-            (self.max_error.is_some(), "--max-error"),
+            (self.pixels.filter.is_some(), "--filter"),
+            (self.pixels.edge.is_some(), "--edge"),
+            (self.pixels.max_error.is_some(), "--max-error"),
             (self.mapping.is_some(), "--mapping"),
             (self.grow, "--grow"),
             (self.stmap.is_some(), "--stmap"),
             (self.from_stmap.is_some(), "--from-stmap"),
             (self.motion_vectors.is_some(), "--motion-vectors"),
-            (self.quality.is_some(), "--quality"),
-            (self.allow_large, "--allow-large"),
+            (self.pixels.quality.is_some(), "--quality"),
+            (self.pixels.allow_large, "--allow-large"),
         ];
         all.into_iter()
             .find_map(|(given, name)| given.then_some(name))

@@ -618,3 +618,41 @@ fn what_cannot_be_is_refused() {
         assert_eq!(after, before, "{arguments:?}");
     }
 }
+
+/// Points that swap places crush what is between them, which is said; where they meet nothing can be drawn, which is found before anything is.
+#[test]
+fn folds_are_said_and_meetings_found_before_the_first_frame() {
+    let folder = Folder::new();
+    folder.put("a.exr", exr(&blobs([60, 50], &[[20.0, 20.0]])));
+    folder.put(
+        "swap.toml",
+        "version = 1\n[[warp]]\nkind = \"thin-plate\"\npoint = [{ from = [0, 0] }, { from = [60, 0] }, { from = [0, 50] }, \
+         { from = [60, 50] }, { from = [20, 25], to = [40, 25] }, { from = [40, 25], to = [20, 25] }]\n",
+    );
+    let run = |more: &[&str]| {
+        folder.run(&[&["morph", "a.exr", "a.exr", "-r", "swap.toml"], more].concat())
+    };
+    let said = run(&["--at", "0.45", "-o", "o.exr"]).done().err;
+    assert!(said.contains("folds over"), "{said}");
+    let before = folder.names();
+    run(&["--frames", "5", "-o", "f.%d.exr"]).failed(1, &["frame 3", "meet on their way"]);
+    assert_eq!(folder.names(), before);
+}
+
+/// Small files whose data windows are far apart do not become a large one.
+#[test]
+fn data_windows_far_apart_are_refused() {
+    let folder = Folder::new();
+    let shown = Window::new(0, 0, 32, 32).unwrap();
+    for (name, x) in [("a.exr", 0), ("b.exr", 8000)] {
+        let own = Window::new(x, x, 16, 16).unwrap();
+        folder.put(name, exr(&Raster::new(own, 3).unwrap().with_display(shown)));
+    }
+    folder.put("a.json", landmarks(&[[8.0, 8.0]]));
+    let run = [
+        "morph", "a.exr", "b.exr", "-l", "a.json", "a.json", "--at", "0.5", "-o", "o.exr",
+    ];
+    folder
+        .run(&run)
+        .failed(1, &["far more than they show", "--allow-large"]);
+}

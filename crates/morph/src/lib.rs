@@ -36,7 +36,6 @@ pub mod grid;
 pub mod images;
 mod keys;
 mod names;
-mod parallel;
 pub mod places;
 
 pub use keys::{KeyError, KeyPath};

@@ -37,7 +37,7 @@ mod dissolve;
 mod error;
 mod hierarchy;
 mod map;
-mod parallel;
+pub mod parallel;
 mod raster;
 mod resample;
 pub mod sampling;

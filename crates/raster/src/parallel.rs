@@ -2,17 +2,13 @@
 //! call of the body writes only its own part.
 
 /// Calls `body(number, chunk)` for consecutive chunks of `size` elements.
-pub(crate) fn chunks<T: Send>(
-    data: &mut [T],
-    size: usize,
-    body: impl Fn(usize, &mut [T]) + Sync + Send,
-) {
+pub fn chunks<T: Send>(data: &mut [T], size: usize, body: impl Fn(usize, &mut [T]) + Sync + Send) {
     chunks_with(data, size, || (), |(), number, chunk| body(number, chunk));
 }
 
 /// As [`chunks`], with scratch space that is made a few times and handed from call to call. A body must not depend on what
 /// an earlier one has left there.
-pub(crate) fn chunks_with<T: Send, W>(
+pub fn chunks_with<T: Send, W>(
     data: &mut [T],
     size: usize,
     scratch: impl Fn() -> W + Sync + Send,

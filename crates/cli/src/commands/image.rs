@@ -214,12 +214,20 @@ struct Drawing<'a> {
 
 impl<'a> Drawing<'a> {
     fn of(options: &'a ImageOptions) -> Result<Self, Failure> {
-        let filter = options.filter.as_deref().map(Filter::by_name).transpose();
+        let filter = options
+            .pixels
+            .filter
+            .as_deref()
+            .map(Filter::by_name)
+            .transpose();
         let filter = filter.map_err(|error| Failure::usage(format!("--filter: {error}")))?;
         Ok(Self {
             options,
             filter: filter.unwrap_or(Filter::ANISOTROPIC),
-            max_error: options.max_error.unwrap_or(Hierarchy::default().max_error),
+            max_error: options
+                .pixels
+                .max_error
+                .unwrap_or(Hierarchy::default().max_error),
         })
     }
 
@@ -229,7 +237,7 @@ impl<'a> Drawing<'a> {
 
     /// What stands beyond a layer's pixels.
     fn edge(&self, layer: &ImageLayer, display: Window) -> Result<Edge, Failure> {
-        if let Some(name) = &self.options.edge {
+        if let Some(name) = &self.options.pixels.edge {
             return Edge::by_name(name).map_err(|error| Failure::usage(format!("--edge: {error}")));
         }
         // A data window of its own says that nothing is beyond.
@@ -469,7 +477,7 @@ pub(super) fn decoded(
     bytes: &[u8],
     options: &ImageOptions,
 ) -> Result<ImageFile, Failure> {
-    let limits = if options.allow_large {
+    let limits = if options.pixels.allow_large {
         ImageLimits::NONE
     } else {
         ImageLimits::of_file(bytes.len())
@@ -560,7 +568,7 @@ pub(super) fn warp_image(job: &Job, run: &Run<'_>, mut image: ImageFile) -> Resu
         Ok(files.len() - 1)
     };
     let encoding = EncodeOptions {
-        quality: options.image.quality.unwrap_or(95),
+        quality: options.image.pixels.quality.unwrap_or(95),
         whole: options.image.grow,
     };
     let (content, lost) = image

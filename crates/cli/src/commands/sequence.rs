@@ -23,7 +23,7 @@ pub(super) fn is_finished(path: &Path) -> bool {
 }
 
 /// Refuses names by which any frame would replace what it is made from.
-pub(super) fn refuse_inputs(
+fn refuse_inputs(
     model: &Path,
     run: &Run<'_>,
     frames: &Frames,
@@ -160,32 +160,99 @@ fn all_of_it<S: ModelSpace>(
     Ok(around.map(|b| [lift(b.min), lift(b.max)]))
 }
 
+/// The names of the frames of a series, and of what is written beside each.
+pub(super) struct Series {
+    pub(super) output: Pattern,
+    report: Option<Pattern>,
+    preview: Option<Pattern>,
+}
+
+impl Series {
+    pub(super) fn of(job: &Job) -> Result<Self, Failure> {
+        let pattern = |path: &Option<PathBuf>, what| {
+            path.as_deref()
+                .map(|path| Pattern::of(path, what))
+                .transpose()
+        };
+        Ok(Self {
+            output: Pattern::of(&job.output, "--output")?,
+            report: pattern(&job.report, "--report")?,
+            preview: pattern(&job.preview, "--preview")?,
+        })
+    }
+
+    /// Refuses names by which a frame would replace what it is made from.
+    pub(super) fn refuse_inputs(
+        &self,
+        model: &Path,
+        run: &Run<'_>,
+        frames: &Frames,
+    ) -> Result<(), Failure> {
+        let patterns = [
+            Some(&self.output),
+            self.report.as_ref(),
+            self.preview.as_ref(),
+        ];
+        refuse_inputs(model, run, frames, patterns)
+    }
+
+    /// Warps all frames of a range but those that are finished, the recipe standing at the time of each.
+    pub(super) fn write(
+        &self,
+        job: &Job,
+        run: &Run<'_>,
+        frames: &Frames,
+        around: Option<[Solid; 2]>,
+        mut warp: impl FnMut(&Job, &Run<'_>) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let options = run.options;
+        let mut kept = 0;
+        for frame in frames.all() {
+            let named = |pattern: &Option<Pattern>| pattern.as_ref().map(|p| p.path(frame.number));
+            let job = Job {
+                model: job.model.clone(),
+                output: self.output.path(frame.number),
+                report: named(&self.report),
+                preview: named(&self.preview),
+            };
+            if !options.force && job.results().all(|(path, _)| is_finished(path)) {
+                kept += 1;
+                continue;
+            }
+            let run = Run {
+                recipe: run.recipe.at(frame.time).map_err(Failure::new)?,
+                beside: RecipeFiles::beside(options.recipe_path(), options.allow_outside),
+                options,
+                taken: Mutex::new(HashSet::new()),
+                replace: true,
+                rest: None,
+                around,
+                at_rest: frame.time == 0.0,
+            };
+            warp(&job, &run)?;
+        }
+        if !options.quiet {
+            frames::kept(kept);
+            frames.say_length();
+        }
+        Ok(())
+    }
+}
+
 /// All frames of a range, the model read once.
 pub(super) fn warp_frames(job: &Job, run: &Run<'_>, frames: &Frames) -> Result<(), Failure> {
     let options = run.options;
-    let output = Pattern::of(&job.output, "--output")?;
-    let pattern = |path: &Option<PathBuf>, what| {
-        path.as_deref()
-            .map(|path| Pattern::of(path, what))
-            .transpose()
-    };
-    let report = pattern(&job.report, "--report")?;
-    let preview = pattern(&job.preview, "--preview")?;
+    let series = Series::of(job)?;
     let recipe = &run.recipe;
     let read_options = ReadOptions::default()
         .allow_nonfinite(options.allow_nonfinite)
         .local(recipe.is_local());
     let document = model::read(&job.model, &read_options, options.allow_outside)?;
-    refuse_inputs(
-        &job.model,
-        run,
-        frames,
-        [Some(&output), report.as_ref(), preview.as_ref()],
-    )?;
+    series.refuse_inputs(&job.model, run, frames)?;
     let record = Record::of(document.as_ref(), run, frames);
-    let record_path = output.record();
-    let known = record.check(&record_path, options.force, frames, &output)?;
-    let around = match (&preview, document.points()) {
+    let record_path = series.output.record();
+    let known = record.check(&record_path, options.force, frames, &series.output)?;
+    let around = match (&series.preview, document.points()) {
         (None, _) => None,
         (_, Points::Plane(_)) => all_of_it::<Plane>(run, frames, document.as_ref())?,
         (_, Points::Solid(_)) => all_of_it::<Solid>(run, frames, document.as_ref())?,
@@ -193,38 +260,11 @@ pub(super) fn warp_frames(job: &Job, run: &Run<'_>, frames: &Frames) -> Result<(
     if !known {
         record.write(&record_path)?;
     }
-    let mut kept = 0;
-    for frame in frames.all() {
-        let named = |pattern: &Option<Pattern>| pattern.as_ref().map(|p| p.path(frame.number));
-        let job = Job {
-            model: job.model.clone(),
-            output: output.path(frame.number),
-            report: named(&report),
-            preview: named(&preview),
-        };
-        if !options.force && job.results().all(|(path, _)| is_finished(path)) {
-            kept += 1;
-            continue;
-        }
-        let run = Run {
-            recipe: recipe.at(frame.time).map_err(Failure::new)?,
-            beside: RecipeFiles::beside(options.recipe_path(), options.allow_outside),
-            options,
-            taken: Mutex::new(HashSet::new()),
-            replace: true,
-            rest: None,
-            around,
-            at_rest: frame.time == 0.0,
-        };
-        let form = form(&job, document.as_ref())?;
+    series.write(job, run, frames, around, |job, run| {
+        let form = form(job, document.as_ref())?;
         match document.points() {
-            Points::Plane(_) => warp_document::<Plane>(&job, &run, document.as_ref(), form)?,
-            Points::Solid(_) => warp_document::<Solid>(&job, &run, document.as_ref(), form)?,
+            Points::Plane(_) => warp_document::<Plane>(job, run, document.as_ref(), form),
+            Points::Solid(_) => warp_document::<Solid>(job, run, document.as_ref(), form),
         }
-    }
-    if !options.quiet {
-        frames::kept(kept);
-        frames.say_length();
-    }
-    Ok(())
+    })
 }

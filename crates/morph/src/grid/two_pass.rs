@@ -12,8 +12,8 @@
 use super::line::{Knot, NUMBERS, Span, evaluate, span};
 use super::resampling::{self, Line, RUN};
 use super::{GridWarp, Spline};
-use crate::parallel;
 use anamorph_core::simd::{Level, dispatch};
+use anamorph_raster::parallel;
 use anamorph_raster::{Edge, Raster, RasterError, Window};
 
 /// Rows a task draws in the second pass. Each task looks for the start of every column once.

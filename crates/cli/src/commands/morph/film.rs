@@ -313,7 +313,11 @@ impl Morph<'_> {
         let recipes: Vec<String> = recipes.map(|number| format!("{number:016x}")).collect();
         let drawing = format!(
             "{:?} {:?} {:?} {:?} {:?}",
-            options.filter, options.edge, options.max_error, options.fit, options.draw_features
+            options.pixels.filter,
+            options.pixels.edge,
+            options.pixels.max_error,
+            options.fit,
+            options.draw_features
         );
         Record(json!({
             "anamorph": "frames",

@@ -128,13 +128,18 @@ impl<'a> Morph<'a> {
             ));
         }
         let named = |name: &Option<String>| name.as_deref().map(Filter::by_name).transpose();
-        let filter = named(&options.filter)
+        let filter = named(&options.pixels.filter)
             .map_err(|error| Failure::usage(format!("--filter: {error}")))?
             .unwrap_or(Filter::ANISOTROPIC);
-        let edge = options.edge.as_deref().map(Edge::by_name).transpose();
+        let edge = options
+            .pixels
+            .edge
+            .as_deref()
+            .map(Edge::by_name)
+            .transpose();
         let edge = edge.map_err(|error| Failure::usage(format!("--edge: {error}")))?;
         let output = Output::of(options)?;
-        let source = |path: &PathBuf| Source::of(path, options.allow_large);
+        let source = |path: &PathBuf| Source::of(path, options.pixels.allow_large);
         let sources: Vec<Source> = options
             .images
             .iter()
@@ -202,7 +207,7 @@ impl<'a> Morph<'a> {
             .sum::<usize>();
         let most = most.saturating_mul(GROWTH).max(SMALL);
         for window in windows.iter().flatten() {
-            if !options.allow_large && window.pixels().is_none_or(|pixels| pixels > most) {
+            if !options.pixels.allow_large && window.pixels().is_none_or(|pixels| pixels > most) {
                 return Err(Failure::new(format!(
                     "{}: the data windows of the images together reach over {window}, far more than they show; crop them, or add \
                      --allow-large",
@@ -396,6 +401,7 @@ impl<'a> Morph<'a> {
                 edge: layer.edge,
                 max_error: self
                     .options
+                    .pixels
                     .max_error
                     .unwrap_or(Hierarchy::default().max_error),
             };
@@ -467,7 +473,7 @@ impl<'a> Morph<'a> {
     /// How images are encoded.
     fn encoding(&self) -> EncodeOptions {
         EncodeOptions {
-            quality: self.options.quality.unwrap_or(95),
+            quality: self.options.pixels.quality.unwrap_or(95),
             whole: false,
         }
     }
