@@ -2,7 +2,7 @@
 
 use super::coarse::{Coarse, jacobian, push_neighbours};
 use super::knowledge::{Knowledge, Verdict};
-use super::patch::{Patch, rounding};
+use super::patch::{Bubbles, Corners, Patch, largest, rounding};
 use super::{FINEST, Hierarchy, HierarchyReport};
 use crate::Window;
 use anamorph_core::glam::{DMat2, DVec2};
@@ -20,7 +20,7 @@ const NONE: u32 = 0;
 
 /// What became of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum State {
+pub(super) enum State {
     /// Its larger cell was not quartered.
     Absent,
     /// Not looked at yet.
@@ -37,24 +37,34 @@ enum State {
 }
 
 impl State {
-    fn is_estimated(self) -> bool {
+    pub(super) fn is_estimated(self) -> bool {
         matches!(self, Self::Estimated | Self::Bulged)
     }
 }
 
 /// Cells of one size.
-struct Cells {
-    size: usize,
-    across: usize,
-    states: Vec<State>,
+pub(super) struct Cells {
+    pub(super) size: usize,
+    pub(super) across: usize,
+    pub(super) states: Vec<State>,
     /// The largest error that was found in each.
-    errors: Vec<f64>,
+    pub(super) errors: Vec<f64>,
     /// Sides along which each is to be probed, and, four bits higher, has been.
-    probes: Vec<u8>,
+    pub(super) probes: Vec<u8>,
+    /// Those to be decided on.
+    pub(super) fresh: Vec<u32>,
+    /// Those that are to be probed.
+    pub(super) exposed: Vec<u32>,
+    /// Those refined since the neighbouring bands were told.
+    pub(super) news: Vec<u32>,
+    /// Refined ones whose neighbours have not all been seen to.
+    pub(super) ungraded: Vec<u32>,
+    /// The same of the bands above and below, by column.
+    pub(super) beyond: [Vec<u32>; 2],
 }
 
 /// Largest size of cells whose sides are probed.
-const PROBED: usize = 8;
+pub(super) const PROBED: usize = 8;
 /// Pixels along a side that are probed; of smaller cells those that there are.
 const PROBES: [usize; 4] = [1, 3, 5, 7];
 /// What may be missing in the middles of a cell that is made to agree with them, in allowed errors: so little that what the checks
@@ -70,20 +80,16 @@ pub(super) struct Work<'a> {
     pub(super) coarse: &'a Coarse,
 }
 
-/// The places of a cell's checks, in quarters of it: the middles, and between them. Cells of 8 pixels are checked between the middles
-/// only if those are nearly good enough, smaller ones in the middles alone: their sides are looked at more closely where a
-/// neighbour gives cause.
-const CHECKS: [(usize, usize); 9] = [
-    (2, 0),
-    (2, 4),
-    (0, 2),
-    (4, 2),
-    (2, 2),
-    (1, 1),
-    (3, 1),
-    (1, 3),
-    (3, 3),
-];
+/// The places of a cell's checks, in quarters of it: the middles of its edges and its own.
+const MIDDLES: [(usize, usize); 5] = [(2, 0), (2, 4), (0, 2), (4, 2), (2, 2)];
+/// And the middles of its quarters. Cells of 8 pixels are checked there only if the others are nearly good enough, smaller ones
+/// not at all: their sides are looked at more closely where a neighbour gives cause.
+const QUARTERS: [(usize, usize); 4] = [(1, 1), (3, 1), (1, 3), (3, 3)];
+
+/// The larger error; not a number where one of them is not.
+fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
+}
 
 /// The pixel along a side of a cell: 0 the upper, 1 the lower, 2 the left, 3 the right one.
 fn beside(size: usize, side: usize, step: usize) -> (usize, usize) {
@@ -106,7 +112,7 @@ pub(super) struct Band<'a> {
     top: usize,
     /// The picture's width, filled up to whole cells.
     width: usize,
-    levels: Vec<Cells>,
+    pub(super) levels: Vec<Cells>,
     /// Numbers of the kept evaluations, from 1, by place.
     value_at: Vec<u32>,
     values: Vec<DVec2>,
@@ -119,18 +125,6 @@ pub(super) struct Band<'a> {
     todo: Vec<(usize, usize)>,
     again: Vec<(usize, usize)>,
     report: HierarchyReport,
-}
-
-/// Which cells of a band's first and last rows are refined, for each size.
-pub(super) struct Rims(Vec<[Vec<bool>; 2]>);
-
-/// The checks of a cell before anything is known of it.
-fn checks(size: usize) -> &'static [(usize, usize)] {
-    if size <= PROBED {
-        &CHECKS[..5]
-    } else {
-        &CHECKS
-    }
 }
 
 impl<'a> Band<'a> {
@@ -156,6 +150,15 @@ impl<'a> Band<'a> {
                     states: vec![start; count],
                     errors: vec![0.0; count],
                     probes: vec![0; count],
+                    fresh: if size == coarsest {
+                        (0..count as u32).collect()
+                    } else {
+                        Vec::new()
+                    },
+                    exposed: Vec::new(),
+                    news: Vec::new(),
+                    ungraded: Vec::new(),
+                    beyond: [Vec::new(), Vec::new()],
                 }
             })
             .collect();
@@ -201,19 +204,6 @@ impl<'a> Band<'a> {
         }
     }
 
-    /// What the neighbouring bands need to know.
-    pub(super) fn rims(&self) -> Rims {
-        let refined = |states: &[State]| states.iter().map(|&s| s == State::Refined).collect();
-        let rims = self.levels.iter().map(|level| {
-            let last = level.states.len() - level.across;
-            [
-                refined(&level.states[..level.across]),
-                refined(&level.states[last..]),
-            ]
-        });
-        Rims(rims.collect())
-    }
-
     /// How much of a cell is in the picture.
     fn visible(&self, x: usize, y: usize, size: usize) -> (usize, usize) {
         let columns = self.work.window.width().saturating_sub(x).min(size);
@@ -229,12 +219,14 @@ impl<'a> Band<'a> {
     /// Decides on all fresh cells of a size.
     fn settle(&mut self, level: usize) {
         let Cells { size, across, .. } = self.levels[level];
+        let fresh = core::mem::take(&mut self.levels[level].fresh);
+        if fresh.is_empty() {
+            return;
+        }
         let mut todo = core::mem::take(&mut self.todo);
         todo.clear();
-        for cell in 0..self.levels[level].states.len() {
-            if self.levels[level].states[cell] != State::Fresh {
-                continue;
-            }
+        for cell in fresh {
+            let cell = cell as usize;
             let (x, y) = (cell % across * size, cell / across * size);
             let (columns, rows) = self.visible(x, y, size);
             let state = if columns == 0 || rows == 0 {
@@ -247,8 +239,8 @@ impl<'a> Band<'a> {
                         State::Derived
                     }
                     Verdict::Refine => {
-                        self.quarter(level, cell);
-                        State::Refined
+                        self.refine(level, (x, y));
+                        continue;
                     }
                     Verdict::Ask => {
                         self.ask_all(x, y, size);
@@ -263,21 +255,30 @@ impl<'a> Band<'a> {
         let mut again = core::mem::take(&mut self.again);
         again.clear();
         for &(x, y) in &todo {
-            let patch = self.patch(x, y, size);
-            let error = self.deviation(&patch, x, y, size, checks(size));
+            let corners = self.known_corners(x, y, size);
+            let missing = corners.missing_in_middles(self.middles(x, y, size));
+            let mut error = largest(&missing);
+            let mut accepted = false;
             // The smallest cells are next to what no cell serves: there the middles alone count twice.
             let counted = if size == FINEST { 2.0 * error } else { error };
-            if self.accepts(&patch, counted) {
+            if self.accepts(&corners, None, counted) {
+                if size > PROBED {
+                    let missing = corners.missing_in_quarters(None, self.quarters(x, y, size));
+                    error = larger(error, largest(&missing));
+                }
+                accepted = size <= PROBED || self.accepts(&corners, None, error);
+            }
+            if accepted {
                 self.accept(level, (x, y), State::Estimated, error);
                 continue;
             }
             let nearly = size > FINEST
-                && self.bulged(x, y, size).largest_bubble() * self.work.options.safety
+                && Corners::bubbles(missing).largest() * self.work.options.safety
                     <= BULGE * self.work.options.max_error;
             if nearly {
                 again.push((x, y));
                 if size <= PROBED {
-                    for &(i, j) in &CHECKS[5..] {
+                    for &(i, j) in &QUARTERS {
                         self.ask_value(x + i * size / 4, y + j * size / 4);
                     }
                 }
@@ -287,9 +288,11 @@ impl<'a> Band<'a> {
         }
         self.evaluate();
         for &(x, y) in &again {
-            let patch = self.bulged(x, y, size);
-            let error = self.deviation(&patch, x, y, size, &CHECKS[5..]);
-            if self.accepts(&patch, error) {
+            let corners = self.known_corners(x, y, size);
+            let bubbles = self.bubbles(&corners, x, y, size);
+            let exact = self.quarters(x, y, size);
+            let error = largest(&corners.missing_in_quarters(Some(&bubbles), exact));
+            if self.accepts(&corners, Some(&bubbles), error) {
                 self.accept(level, (x, y), State::Bulged, error);
             } else {
                 self.refine(level, (x, y));
@@ -313,12 +316,15 @@ impl<'a> Band<'a> {
 
     fn refine(&mut self, level: usize, place: (usize, usize)) {
         let cell = self.cell(level, place);
-        self.levels[level].states[cell] = State::Refined;
         self.quarter(level, cell);
     }
 
-    /// Makes the quarters of a cell fresh.
-    fn quarter(&mut self, level: usize, cell: usize) {
+    /// Quarters a cell: its quarters are fresh.
+    pub(super) fn quarter(&mut self, level: usize, cell: usize) {
+        let cells = &mut self.levels[level];
+        cells.states[cell] = State::Refined;
+        cells.news.push(cell as u32);
+        cells.ungraded.push(cell as u32);
         let across = self.levels[level].across;
         let (column, row) = (cell % across, cell / across);
         if let Some(finer) = self.levels.get_mut(level + 1) {
@@ -326,6 +332,7 @@ impl<'a> Band<'a> {
                 let child = (2 * row + y) * finer.across + 2 * column + x;
                 if finer.states[child] == State::Absent {
                     finer.states[child] = State::Fresh;
+                    finer.fresh.push(child as u32);
                 }
             }
         }
@@ -335,12 +342,17 @@ impl<'a> Band<'a> {
     /// that necessary there may reach a little way in.
     fn probe(&mut self, level: usize) {
         let Cells { size, across, .. } = self.levels[level];
+        let exposed = core::mem::take(&mut self.levels[level].exposed);
+        if exposed.is_empty() {
+            return;
+        }
         let mut cells = core::mem::take(&mut self.todo);
         let mut points = core::mem::take(&mut self.points);
         cells.clear();
         points.clear();
         let steps = &PROBES[..probes(size)];
-        for cell in 0..self.levels[level].states.len() {
+        for cell in exposed {
+            let cell = cell as usize;
             let sides = self.levels[level].probes[cell];
             let sides = sides & !(sides >> 4) & 15;
             if sides == 0 || !self.levels[level].states[cell].is_estimated() {
@@ -363,7 +375,8 @@ impl<'a> Band<'a> {
             if !state.is_estimated() {
                 continue;
             }
-            let patch = self.chosen(state, x, y, size);
+            let (corners, bubbles) = self.chosen(state, x, y, size);
+            let patch = Patch::new(&corners, bubbles);
             let mut largest = self.levels[level].errors[cell];
             for (&step, moved) in steps.iter().zip(moved) {
                 let (i, j) = beside(size, side, step);
@@ -375,7 +388,7 @@ impl<'a> Band<'a> {
                 }
             }
             self.levels[level].errors[cell] = largest;
-            if !self.accepts(&patch, largest) {
+            if !self.accepts(&corners, bubbles.as_ref(), largest) {
                 self.refine(level, (x, y));
             }
         }
@@ -383,90 +396,9 @@ impl<'a> Band<'a> {
         self.points = points;
     }
 
-    fn accepts(&self, patch: &Patch, error: f64) -> bool {
+    fn accepts(&self, corners: &Corners, bubbles: Option<&Bubbles>, error: f64) -> bool {
         let options = self.work.options;
-        error * options.safety + patch.rounding() <= options.max_error
-    }
-
-    /// Asks for a closer look at a cell along a side, or at the larger one in its place. Whether nobody has asked before.
-    fn expose(&mut self, level: usize, column: usize, row: usize, side: usize) -> bool {
-        let cells = &mut self.levels[level];
-        let cell = row * cells.across + column;
-        match cells.states[cell] {
-            State::Absent if level > 0 => self.expose(level - 1, column / 2, row / 2, side),
-            state if state.is_estimated() && cells.size <= PROBED => {
-                let fresh = cells.probes[cell] >> side & 1 == 0;
-                cells.probes[cell] |= 1 << side;
-                fresh
-            }
-            _ => false,
-        }
-    }
-
-    /// Quarters cells next to quartered ones, also of the bands above and below, that are more than twice as large as their
-    /// quarters, and asks for a closer look at small ones next to such that are quartered or evaluated pixel by pixel. Whether there
-    /// were any.
-    pub(super) fn grade(&mut self, above: Option<&Rims>, below: Option<&Rims>) -> bool {
-        let mut changed = false;
-        let last = self.levels.len() - 1;
-        for level in (0..=last).rev() {
-            let across = self.levels[level].across;
-            let rows = self.levels[level].states.len() / across;
-            let near = |column: usize| column.saturating_sub(1)..(column + 2).min(across);
-            // Next to pixels there may be cells of twice the smallest size.
-            let least = if level == last {
-                level.saturating_sub(1)
-            } else {
-                level
-            };
-            let shift = level - least;
-            let small = self.levels[level].size <= PROBED;
-            for (rims, side, row) in [(above, 1, 0), (below, 0, rows - 1)] {
-                let Some(rims) = rims else { continue };
-                for column in (0..across).filter(|&column| rims.0[level][side][column]) {
-                    for x in near(column) {
-                        changed |= self.present(least, x >> shift, row >> shift);
-                    }
-                    changed |= small && self.expose(level, column, row, 1 - side);
-                }
-            }
-            for cell in 0..across * rows {
-                if self.levels[level].states[cell] != State::Refined {
-                    continue;
-                }
-                let (column, row) = (cell % across, cell / across);
-                for y in row.saturating_sub(1)..(row + 2).min(rows) {
-                    for x in near(column) {
-                        changed |= self.present(least, x >> shift, y >> shift);
-                    }
-                }
-                if small {
-                    let (up, left) = (row.checked_sub(1), column.checked_sub(1));
-                    changed |= up.is_some_and(|up| self.expose(level, column, up, 1));
-                    changed |= row + 1 < rows && self.expose(level, column, row + 1, 0);
-                    changed |= left.is_some_and(|left| self.expose(level, left, row, 3));
-                    changed |= column + 1 < across && self.expose(level, column + 1, row, 2);
-                }
-            }
-        }
-        changed
-    }
-
-    /// Sees to it that there is a cell of that size at a place, unless it is known to be good. Whether that changed anything.
-    fn present(&mut self, level: usize, column: usize, row: usize) -> bool {
-        let Cells { across, states, .. } = &self.levels[level];
-        if level == 0 || states[row * across + column] != State::Absent {
-            return false;
-        }
-        let mut changed = self.present(level - 1, column / 2, row / 2);
-        let parents = &mut self.levels[level - 1];
-        let parent = row / 2 * parents.across + column / 2;
-        if parents.states[parent].is_estimated() {
-            parents.states[parent] = State::Refined;
-            self.quarter(level - 1, parent);
-            changed = true;
-        }
-        changed
+        error * options.safety + corners.rounding(bubbles) <= options.max_error
     }
 
     fn corners(x: usize, y: usize, size: usize) -> [(usize, usize); 4] {
@@ -484,7 +416,8 @@ impl<'a> Band<'a> {
             self.ask_value(x, y);
             self.ask_jacobian(x, y);
         }
-        for &(i, j) in checks(size) {
+        let quarters = if size > PROBED { &QUARTERS[..] } else { &[] };
+        for &(i, j) in MIDDLES.iter().chain(quarters) {
             self.ask_value(x + i * size / 4, y + j * size / 4);
         }
     }
@@ -563,51 +496,34 @@ impl<'a> Band<'a> {
         self.points = points;
     }
 
-    fn patch(&self, x: usize, y: usize, size: usize) -> Patch {
+    fn known_corners(&self, x: usize, y: usize, size: usize) -> Corners {
         let corners = Self::corners(x, y, size);
         let values = corners.map(|(x, y)| self.value(x, y));
         let jacobians = corners.map(|(x, y)| self.jacobian(x, y));
-        Patch::new(values, jacobians, size)
+        Corners::new(values, jacobians, size)
     }
 
-    /// The patch that agrees with the middles, too.
-    fn bulged(&self, x: usize, y: usize, size: usize) -> Patch {
-        let middle = |(i, j): (usize, usize)| self.value(x + i * size / 4, y + j * size / 4);
-        let edges = [CHECKS[0], CHECKS[1], CHECKS[2], CHECKS[3]].map(middle);
-        self.patch(x, y, size)
-            .with_middles(edges, middle(CHECKS[4]))
+    /// The values in the middles of a cell's edges and its own.
+    fn middles(&self, x: usize, y: usize, size: usize) -> [DVec2; 5] {
+        MIDDLES.map(|(i, j)| self.value(x + i * size / 4, y + j * size / 4))
     }
 
-    /// The patch of an estimated cell.
-    fn chosen(&self, state: State, x: usize, y: usize, size: usize) -> Patch {
-        if state == State::Bulged {
-            self.bulged(x, y, size)
-        } else {
-            self.patch(x, y, size)
-        }
+    /// The values in the middles of its quarters.
+    fn quarters(&self, x: usize, y: usize, size: usize) -> [DVec2; 4] {
+        QUARTERS.map(|(i, j)| self.value(x + i * size / 4, y + j * size / 4))
     }
 
-    /// The largest error of a cell's interpolant at these checks; not a number where the map is not.
-    fn deviation(
-        &self,
-        patch: &Patch,
-        x: usize,
-        y: usize,
-        size: usize,
-        checks: &[(usize, usize)],
-    ) -> f64 {
-        let mut largest = 0.0_f64;
-        for &(i, j) in checks {
-            let exact = self.value(x + i * size / 4, y + j * size / 4);
-            let error = patch.value(i as f64 / 4.0, j as f64 / 4.0).distance(exact);
-            if error > largest || error.is_nan() {
-                largest = error;
-            }
-            if largest.is_nan() {
-                break;
-            }
-        }
-        largest
+    /// What makes a cell agree with its middles.
+    fn bubbles(&self, corners: &Corners, x: usize, y: usize, size: usize) -> Bubbles {
+        Corners::bubbles(corners.missing_in_middles(self.middles(x, y, size)))
+    }
+
+    /// What an estimated cell is drawn from.
+    fn chosen(&self, state: State, x: usize, y: usize, size: usize) -> (Corners, Option<Bubbles>) {
+        let corners = self.known_corners(x, y, size);
+        let bulged = state == State::Bulged;
+        let bubbles = bulged.then(|| self.bubbles(&corners, x, y, size));
+        (corners, bubbles)
     }
 
     /// Writes all offsets.
@@ -641,21 +557,23 @@ impl<'a> Band<'a> {
                 }
                 let patch = if state == State::Derived {
                     let corners = Self::corners(x, y, size);
-                    let patch = Patch::bilinear(corners.map(|(x, y)| self.value(x, y)));
-                    let error = 0.5 * self.work.options.max_error + patch.rounding();
+                    let values = corners.map(|(x, y)| self.value(x, y));
+                    let flat = Corners::new(values, [DMat2::ZERO; 4], size);
+                    let error = 0.5 * self.work.options.max_error + flat.rounding(None);
                     self.report.max_error = self.report.max_error.max(error);
-                    patch
+                    Patch::bilinear(values)
                 } else {
                     let error = self.levels[level].errors[cell];
                     self.report.measured = self.report.measured.max(error);
                     let probed = (self.levels[level].probes[cell] >> 4).count_ones() as usize;
-                    let checked = if state == State::Bulged {
-                        CHECKS.len()
+                    let checked = if state == State::Bulged || size > PROBED {
+                        MIDDLES.len() + QUARTERS.len()
                     } else {
-                        checks(size).len()
+                        MIDDLES.len()
                     };
                     self.report.checks += checked + probes(size) * probed;
-                    self.chosen(state, x, y, size)
+                    let (corners, bubbles) = self.chosen(state, x, y, size);
+                    Patch::new(&corners, bubbles)
                 };
                 patch.draw(size, columns, &mut out[y * stride + x..], stride);
             }

@@ -31,6 +31,7 @@
 
 mod band;
 mod coarse;
+mod grading;
 mod knowledge;
 mod patch;
 
@@ -214,7 +215,7 @@ pub fn hierarchical_map_into(
                     .decide();
             }
         });
-        let rims: Vec<_> = bands.iter().flatten().map(Band::rims).collect();
+        let rims: Vec<_> = bands.iter_mut().flatten().map(Band::rims).collect();
         let changed = AtomicBool::new(false);
         parallel::chunks(&mut bands, 1, |number, bands| {
             let above = number.checked_sub(1).and_then(|n| rims.get(n));
