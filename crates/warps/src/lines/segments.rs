@@ -126,11 +126,7 @@ impl Segments {
             let points = rest.chunks_exact(2);
             let alike = points.take_while(|p| p[1].to_bits() == y).count();
             // Of points in no rows as many as there are until the next row.
-            let size = if alike >= ROW {
-                alike
-            } else {
-                scattered(rest)
-            };
+            let size = if alike >= ROW { alike } else { scattered(rest) };
             let part = &mut rest[..2 * size];
             let number = first / 2;
             if alike >= ROW {
