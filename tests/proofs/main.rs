@@ -12,4 +12,5 @@ mod multilevel;
 mod planes;
 mod radial;
 mod scodef;
+mod segments;
 mod wires;

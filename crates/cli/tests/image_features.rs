@@ -396,3 +396,61 @@ fn image_formats_are_listed_and_images_inspected() {
     folder.put("no.png", "none");
     folder.run(&["inspect", "no.png"]).failed(1, &["no.png"]);
 }
+
+#[test]
+fn snakes_say_what_the_reach_held_back_and_where_curves_cross() {
+    // The light grows faster and faster to the right, so that the curve would go on and on.
+    let mut slope = Raster::new(Window::new(0, 0, 200, 40).unwrap(), 1).unwrap();
+    for row in 0..40 {
+        for column in 0..200_u16 {
+            let x = f32::from(column) / 200.0;
+            slope.pixel_mut(usize::from(column), row)[0] = x * x;
+        }
+    }
+    let folder = Folder::new();
+    folder
+        .put("slope.exr", exr(&slope, &["Y"]))
+        .put("line.csv", "x,y\n60,5\n60,15\n60,25\n60,35\n")
+        .put("eight.csv", "x,y\n40,10\n80,30\n80,10\n40,30\n");
+    let run = folder
+        .run(&[
+            "snake",
+            "slope.exr",
+            "-c",
+            "line.csv",
+            "-o",
+            "out.csv",
+            "--reach",
+            "6",
+            "--report",
+            "r.json",
+        ])
+        .done();
+    assert!(
+        run.err.contains("held 6 px from where it was drawn") && run.err.contains("raise --reach"),
+        "{}",
+        run.err
+    );
+    for [x, _] in points(&String::from_utf8(folder.read("out.csv")).unwrap()) {
+        assert!((x - 66.0).abs() < 1e-6, "{x}");
+    }
+    let report = folder.json("r.json");
+    assert!(report["held"]["points"].as_u64() > Some(3), "{report}");
+    assert!(report["held"]["first"].is_array() && report["crossing"]["after"].is_null());
+    let run = folder
+        .run(&[
+            "snake",
+            "slope.exr",
+            "-c",
+            "eight.csv",
+            "-o",
+            "eight-out.csv",
+            "--closed",
+        ])
+        .done();
+    assert!(
+        run.err.contains("crosses itself near") && run.err.contains("as it did when it was drawn"),
+        "{}",
+        run.err
+    );
+}

@@ -35,6 +35,9 @@ pub struct Facts<S> {
     pub upright: Option<String>,
     /// Why no two places have the same image, where more than a bound is known.
     pub one_to_one: Option<String>,
+    /// Places where the Jacobian jumps although `inside` is at least continuous, as far as they are single points: the
+    /// centres of cones. A hint for whoever samples the deformation; more such places may exist, and none need be in the support.
+    pub kinks: Vec<S>,
     /// Sentences a report should carry: which limits are in force, where continuity is lost, what repairs it.
     pub notes: Vec<String>,
 }
@@ -54,6 +57,7 @@ impl<S: Space> Facts<S> {
             stretch: None,
             upright: None,
             one_to_one: None,
+            kinks: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -330,8 +334,17 @@ impl<S: Space> Deformation<S> for Stack<S> {
             return Facts::identity();
         };
         let mut alone = true;
-        for next in moving {
+        for (number, mut next) in moving.enumerate() {
             alone = false;
+            // Where the parts before have no inverse in closed form, kinks of a later one are left out: they are a hint.
+            let before = &self.parts[..=number];
+            let back = |kink: S| {
+                before.iter().rev().try_fold(kink, |place, part| {
+                    let place = part.inverse_at(&Site::anywhere(place))?;
+                    place.is_finite().then_some(place)
+                })
+            };
+            facts.kinks.extend(next.kinks.drain(..).filter_map(back));
             // A later part sees moved points: its edge lies somewhere inside, so only the weaker class is known.
             let class = facts.smoothness().min(next.smoothness());
             let (upright, one_to_one, stretch) = (

@@ -341,6 +341,21 @@ impl<S: Space, D: Deformation<S>> Deformation<S> for Inverse<D> {
         } else {
             Vec::new()
         };
+        // What is a kink there is one where it is taken to. Of a stack those of each part, by it and by the parts after it.
+        let parts = self.deformation.stages();
+        let mut kinks = Vec::new();
+        if parts.is_empty() {
+            kinks = forward.kinks;
+            for kink in &mut kinks {
+                *kink = self.deformation.map(&Site::anywhere(*kink));
+            }
+        }
+        for part in parts {
+            kinks.extend(part.facts().kinks);
+            for kink in &mut kinks {
+                *kink = part.map(&Site::anywhere(*kink));
+            }
+        }
         Facts {
             support,
             inside: class(forward.inside),
@@ -350,6 +365,7 @@ impl<S: Space, D: Deformation<S>> Deformation<S> for Inverse<D> {
             upright: smooth
                 .then(|| "the inverse of a map that turns nothing inside out".to_owned()),
             one_to_one: known.map(|_| "the inverse of a map".to_owned()),
+            kinks,
             notes,
             ..Facts::identity()
         }

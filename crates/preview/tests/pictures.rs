@@ -545,3 +545,46 @@ fn the_number_of_threads_does_not_matter() {
     });
     assert!(pictures[0] == pictures[1] && pictures[0] == pictures[2]);
 }
+
+/// What is drawn in one panel leaves no trace in the other, however near to its side it goes.
+#[test]
+fn marks_stay_in_their_panel() {
+    let flat: Vec<DVec2> = SQUARE.iter().map(|p| p.truncate()).collect();
+    let options = Options {
+        around: Some([DVec3::splat(-3.0), DVec3::splat(3.0)]),
+        ..SMALL
+    };
+    let marks: Vec<Mark<DVec2>> = (-6..=6)
+        .flat_map(|y| {
+            let y = f64::from(y) * 0.5;
+            let [left, right] = [-3.0, 3.0].map(|x| DVec2::new(x, y));
+            [
+                Mark::new(Role::Source, Shape::Polyline(vec![left, right])),
+                Mark::new(Role::Target, Shape::Arrow(right, left)),
+                Mark::new(Role::Target, Shape::Point(right)),
+                Mark::new(Role::Source, Shape::Point(left)),
+            ]
+        })
+        .collect();
+    let bare = Panel::new(Model::mesh(&flat, &SQUARE_FACES));
+    let marked = bare.with_marks(&marks);
+    let [none, first, second] = [(&bare, &bare), (&marked, &bare), (&bare, &marked)]
+        .map(|(before, after)| before_after(before, after, &options).unwrap());
+    let side = (SMALL.width - 1) / 2;
+    let (mut left, mut right) = (0, 0);
+    for y in 0..SMALL.height {
+        for x in 0..SMALL.width {
+            if x >= side {
+                assert_eq!(at(&first, x, y), at(&none, x, y), "({x}, {y})");
+            } else {
+                left += usize::from(at(&first, x, y) != at(&none, x, y));
+            }
+            if x < SMALL.width - side {
+                assert_eq!(at(&second, x, y), at(&none, x, y), "({x}, {y})");
+            } else {
+                right += usize::from(at(&second, x, y) != at(&none, x, y));
+            }
+        }
+    }
+    assert!(left > 500 && right > 500, "{left} {right}");
+}

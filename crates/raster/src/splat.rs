@@ -9,6 +9,10 @@
 //! however far they are pulled apart; what lies outside the moved mesh stays zero. Edges shared by triangles belong to
 //! exactly one of them: a target pixel is drawn once wherever the deformation does not fold.
 //!
+//! Along the outline of the moved mesh, and where it is torn, pixels are covered in part: there the areas of the triangles in the pixel are
+//! summed, and the colour is multiplied by the sum. Where sheets lie over each other it is at most 1. A pixel whose centre is outside
+//! has the mean of the pieces in it as colour. All others are as opaque as the source.
+//!
 //! Where it folds, several cells cover a pixel. [`Overlap`] says which counts; the order is that of the source's rows, from
 //! the top, and in them of its columns.
 
@@ -47,7 +51,8 @@ pub struct SplatOptions {
 pub struct Splat {
     /// The picture; zeros where nothing arrived.
     pub raster: Raster,
-    /// How many cells arrived at each pixel, row by row: 0 in holes, 2 and more where the picture folds over itself.
+    /// How many cells arrived at the centre of each pixel, row by row: 0 in holes, 2 and more where the picture folds over itself.
+    /// Pixels along the outline may have a little of the picture and a 0.
     pub layers: Vec<u32>,
 }
 
@@ -93,8 +98,12 @@ pub fn splat(
                 sampler: &sampler,
                 overlap: options.overlap,
                 value: vec![0.0; source.channels()],
+                slots: Vec::new(),
+                parts: Vec::new(),
             };
+            mesh.outline(options.tear, &mut band);
             mesh.draw(options.tear, &mut band);
+            band.finish();
         }
     });
     drop(parts);
@@ -112,6 +121,16 @@ struct Mesh {
     corners: Vec<DVec2>,
     /// Lowest and highest `y` of each row of cells.
     reach: Vec<(f64, f64)>,
+    /// All corners are finite.
+    is_whole: bool,
+}
+
+/// Whether a cell is drawn.
+fn is_drawn(moved: &[DVec2; 4], tear: Option<f64>) -> bool {
+    let [a, b, c, d] = *moved;
+    let sides = [a - b, a - c, b - d, c - d];
+    let is_torn = tear.is_some_and(|most| sides.iter().any(|side| side.length() > most));
+    moved.iter().all(|p| p.is_finite()) && !is_torn
 }
 
 /// Where corners stand along an axis, and the pixels they belong to: the border, all centres, the border.
@@ -160,6 +179,7 @@ impl Mesh {
             })
             .collect();
         Ok(Self {
+            is_whole: corners.iter().all(|corner| corner.is_finite()),
             across,
             columns,
             rows,
@@ -168,31 +188,59 @@ impl Mesh {
         })
     }
 
+    /// The moved corners of a cell.
+    fn cell(&self, row: usize, column: usize) -> [DVec2; 4] {
+        let upper = row * self.across + column;
+        let lower = upper + self.across;
+        [upper, upper + 1, lower, lower + 1].map(|corner| self.corners[corner])
+    }
+
+    /// Marks the pixels that are on the mesh's border, or on that of a cell that is not drawn.
+    fn outline(&self, tear: Option<f64>, band: &mut Band<'_>) {
+        let (across, down) = (self.across, self.rows.len());
+        let last = (down - 1) * across;
+        for column in 1..across {
+            for start in [0, last] {
+                let end = start + column;
+                band.mark(self.corners[end - 1], self.corners[end]);
+            }
+        }
+        for row in 1..down {
+            for column in [0, across - 1] {
+                let end = row * across + column;
+                band.mark(self.corners[end - across], self.corners[end]);
+            }
+        }
+        if tear.is_none() && self.is_whole {
+            return;
+        }
+        for row in 0..down - 1 {
+            for column in 0..across - 1 {
+                let moved = self.cell(row, column);
+                if !is_drawn(&moved, tear) {
+                    let [a, b, c, d] = moved;
+                    for (from, to) in [(a, b), (a, c), (b, d), (c, d)] {
+                        band.mark(from, to);
+                    }
+                }
+            }
+        }
+    }
+
     /// Draws all cells that reach a band, in order.
     fn draw(&self, tear: Option<f64>, band: &mut Band<'_>) {
         let (top, bottom) = band.span();
+        let (top, bottom) = (top - 0.5, bottom + 0.5);
         for (row, &(low, high)) in self.reach.iter().enumerate() {
             if low > bottom || high < top {
                 continue;
             }
-            let upper = &self.corners[row * self.across..(row + 1) * self.across];
-            let lower = &self.corners[(row + 1) * self.across..(row + 2) * self.across];
             let (y0, y1) = (self.rows[row], self.rows[row + 1]);
             for column in 0..self.across - 1 {
-                let moved = [
-                    upper[column],
-                    upper[column + 1],
-                    lower[column],
-                    lower[column + 1],
-                ];
+                let moved = self.cell(row, column);
                 let above = moved.iter().all(|p| p.y < top);
                 let below = moved.iter().all(|p| p.y > bottom);
-                if above || below || !moved.iter().all(|p| p.is_finite()) {
-                    continue;
-                }
-                let [a, b, c, d] = moved;
-                let sides = [a - b, a - c, b - d, c - d];
-                if tear.is_some_and(|most| sides.iter().any(|side| side.length() > most)) {
+                if above || below || !is_drawn(&moved, tear) {
                     continue;
                 }
                 let (x0, x1) = (self.columns[column], self.columns[column + 1]);
@@ -218,6 +266,52 @@ struct Band<'a> {
     sampler: &'a Sampler<'a>,
     overlap: Overlap,
     value: Vec<f32>,
+    /// For each pixel the number of its part, from 1, or 0 for pixels that are not on the outline; empty if none is.
+    slots: Vec<u32>,
+    /// Of each pixel on the outline how much of it is covered, then the colours of that weighted by their areas.
+    parts: Vec<f64>,
+}
+
+/// Coverage above this is all of a pixel, but for rounding.
+const WHOLE: f64 = 1.0 - 1e-6;
+
+/// The part of a triangle in the unit square at the origin: its area and its centroid, if there is any.
+fn in_square(triangle: [DVec2; 3]) -> Option<(f64, DVec2)> {
+    // Each side of the square adds one corner at most.
+    let mut corners = [DVec2::ZERO; 8];
+    corners[..3].copy_from_slice(&triangle);
+    let mut count = 3;
+    for axis in 0..2 {
+        for (sign, limit) in [(1.0, 0.0), (-1.0, -1.0)] {
+            let room = |p: DVec2| sign * p[axis] - limit;
+            let mut kept = [DVec2::ZERO; 8];
+            let mut number = 0;
+            for i in 0..count {
+                let (here, next) = (corners[i], corners[(i + 1) % count]);
+                let (a, b) = (room(here), room(next));
+                if a >= 0.0 && number < kept.len() {
+                    kept[number] = here;
+                    number += 1;
+                }
+                if (a < 0.0) != (b < 0.0) && number < kept.len() {
+                    kept[number] = here + (next - here) * (a / (a - b));
+                    number += 1;
+                }
+            }
+            (corners, count) = (kept, number);
+            if count < 3 {
+                return None;
+            }
+        }
+    }
+    let (mut area, mut sum) = (0.0, DVec2::ZERO);
+    for i in 1..count - 1 {
+        let (a, b, c) = (corners[0], corners[i], corners[i + 1]);
+        let own = 0.5 * (b - a).perp_dot(c - a).abs();
+        area += own;
+        sum += (a + b + c) * (own / 3.0);
+    }
+    (area > 0.0).then(|| (area, sum / area))
 }
 
 /// Twice the area of the triangle `(a, b, p)`: positive where `p` is to the one side of the edge. Exactly the negative for
@@ -256,6 +350,9 @@ impl Band<'_> {
         }
         let [a, b, c] = moved;
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        if !self.slots.is_empty() {
+            self.pieces(moved, still, area, (low, high));
+        }
         let (top, bottom) = self.span();
         // Pixels whose centres are between; rounding may only add some, which the sides then leave out.
         let whole = |x: f64, most: usize| (x.max(0.0) as usize).min(most);
@@ -281,6 +378,118 @@ impl Band<'_> {
                     let (u, v) = (sides[1] / area, sides[2] / area);
                     let place = still[0] + (still[1] - still[0]) * u + (still[2] - still[0]) * v;
                     self.put(row * self.width + column, place);
+                }
+            }
+        }
+    }
+
+    /// Marks the pixels that a segment goes through as such of the outline.
+    fn mark(&mut self, from: DVec2, to: DVec2) {
+        let rows = self.layers.len() / self.width;
+        let first = self.first as f64;
+        let (low, high) = (from.min(to), from.max(to));
+        let (top, bottom) = (low.y.max(first), high.y.min(first + rows as f64));
+        let is_seen = top <= bottom && high.x >= 0.0 && low.x <= self.width as f64;
+        if !(is_seen && from.is_finite() && to.is_finite()) {
+            return;
+        }
+        if self.slots.is_empty() {
+            self.slots = vec![0; self.layers.len()];
+        }
+        let room = self.channels + 1;
+        let rise = to.y - from.y;
+        let whole = |at: f64, most: usize| (at.max(0.0) as usize).min(most);
+        let span = whole(top - first, rows - 1)..=whole(bottom - first, rows - 1);
+        for row in span {
+            // Where the segment enters and leaves the row.
+            let across = |y: f64| {
+                let share = if rise == 0.0 {
+                    0.0
+                } else {
+                    (y - from.y) / rise
+                };
+                from.x + (to.x - from.x) * share.clamp(0.0, 1.0)
+            };
+            let y = first + row as f64;
+            let (mut left, mut right) = (low.x, high.x);
+            if rise != 0.0 {
+                let (one, other) = (across(y), across(y + 1.0));
+                (left, right) = (one.min(other), one.max(other));
+            }
+            if right < 0.0 || left > self.width as f64 {
+                continue;
+            }
+            let columns = whole(left, self.width - 1)..=whole(right, self.width - 1);
+            for column in columns {
+                let slot = &mut self.slots[row * self.width + column];
+                if *slot == 0 {
+                    self.parts.resize(self.parts.len() + room, 0.0);
+                    *slot = u32::try_from(self.parts.len() / room).unwrap_or(0);
+                }
+            }
+        }
+    }
+
+    /// Adds what of a triangle is in pixels of the outline to them.
+    fn pieces(
+        &mut self,
+        moved: [DVec2; 3],
+        still: [DVec2; 3],
+        area: f64,
+        (low, high): (DVec2, DVec2),
+    ) {
+        let rows = self.layers.len() / self.width;
+        let first = self.first as f64;
+        let outside = high.x < 0.0 || low.x > self.width as f64;
+        if outside || high.y < first || low.y > first + rows as f64 {
+            return;
+        }
+        let room = self.channels + 1;
+        let whole = |at: f64, most: usize| (at.max(0.0) as usize).min(most);
+        let columns = whole(low.x, self.width - 1)..=whole(high.x, self.width - 1);
+        for row in whole(low.y - first, rows - 1)..=whole(high.y - first, rows - 1) {
+            for column in columns.clone() {
+                let slot = self.slots[row * self.width + column] as usize;
+                if slot == 0 {
+                    continue;
+                }
+                let corner = dvec2(column as f64, first + row as f64);
+                let Some((share, middle)) = in_square(moved.map(|p| p - corner)) else {
+                    continue;
+                };
+                let [a, b, c] = moved;
+                let p = middle + corner;
+                let (u, v) = (side(c, a, p) / area, side(a, b, p) / area);
+                let place = still[0] + (still[1] - still[0]) * u + (still[2] - still[0]) * v;
+                self.sampler.sample(place, DMat2::IDENTITY, &mut self.value);
+                let part = &mut self.parts[(slot - 1) * room..slot * room];
+                part[0] += share;
+                for (sum, value) in part[1..].iter_mut().zip(&self.value) {
+                    *sum += share * f64::from(*value);
+                }
+            }
+        }
+    }
+
+    /// Makes pixels of the outline as opaque as they are covered.
+    fn finish(&mut self) {
+        let room = self.channels + 1;
+        for (pixel, &slot) in self.slots.iter().enumerate() {
+            let slot = slot as usize;
+            if slot == 0 {
+                continue;
+            }
+            let part = &self.parts[(slot - 1) * room..slot * room];
+            let covered = part[0];
+            let samples = &mut self.samples[pixel * self.channels..(pixel + 1) * self.channels];
+            if self.layers[pixel] == 0 {
+                let most = covered.max(1.0);
+                for (sample, sum) in samples.iter_mut().zip(&part[1..]) {
+                    *sample = (sum / most) as f32;
+                }
+            } else if covered < WHOLE {
+                for sample in samples {
+                    *sample = (f64::from(*sample) * covered) as f32;
                 }
             }
         }

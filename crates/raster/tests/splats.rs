@@ -64,8 +64,10 @@ fn smooth_maps_cover_every_pixel_once_and_agree_with_inverse_mapping() {
     for y in 0..200 {
         for x in 0..200 {
             let from = inverse.apply(window.centre(x, y));
-            let inside = from.min_element() > 1e-6 && from.max_element() < 64.0 - 1e-6;
-            let outside = from.min_element() < -1e-6 || from.max_element() > 64.0 + 1e-6;
+            // The outline's pixels, less than √½ from it, are covered in part.
+            let part = 0.75 / 3.7;
+            let inside = from.min_element() > part && from.max_element() < 64.0 - part;
+            let outside = from.min_element() < -part || from.max_element() > 64.0 + part;
             let layers = out.layers[y * 200 + x];
             if inside {
                 assert_eq!(layers, 1, "({x}, {y})");
@@ -194,5 +196,85 @@ fn what_is_not_finite_is_left_out_and_threads_change_nothing() {
         assert!(one.raster.samples().iter().all(|s| s.is_finite()));
         assert!(one.layers.contains(&0) && one.layers.iter().any(|&n| n > 1));
         assert_eq!(draw(3, overlap), one);
+    }
+}
+
+/// A picture of ones, turned and enlarged, is as opaque as the share of each pixel that it covers.
+#[test]
+fn outlines_are_as_opaque_as_they_are_covered() {
+    let window = Window::new(0, 0, 40, 30).unwrap();
+    let mut picture = Raster::new(window, 2).unwrap();
+    picture.samples_mut().fill(1.0);
+    let target = Window::new(0, 0, 90, 90).unwrap();
+    for (turn, scale) in [(20.0_f64, 1.0), (20.0, 1.35), (-67.0, 0.4), (3.0, 2.2)] {
+        let forward = Affine {
+            linear: DMat2::from_angle(turn.to_radians()) * scale,
+            translation: dvec2(31.3, 30.7),
+        };
+        let inverse = forward.inverted().unwrap();
+        let out = splat(&picture, &forward, target, SplatOptions::default()).unwrap();
+        let mut shades = 0;
+        for y in 0..90 {
+            for x in 0..90 {
+                let corner = target.centre(x, y) - 0.5;
+                let mut share = 0.0;
+                for i in 0..1024_u32 {
+                    let own = dvec2(f64::from(i % 32) + 0.5, f64::from(i / 32) + 0.5) / 32.0;
+                    let from = inverse.apply(corner + own);
+                    let is_in =
+                        from.cmpge(DVec2::ZERO).all() && from.cmplt(dvec2(40.0, 30.0)).all();
+                    share += f64::from(u8::from(is_in)) / 1024.0;
+                }
+                let found = out.raster.pixel(x, y);
+                assert_eq!(found[0], found[1]);
+                let error = (f64::from(found[0]) - share).abs();
+                assert!(
+                    error < 0.02,
+                    "{turn}° × {scale}, ({x}, {y}): {found:?}, not {share}"
+                );
+                // What is whole is so exactly, and so is what is empty.
+                let from = inverse.apply(corner + 0.5);
+                let margin = 0.75 / scale;
+                let low = from.min_element();
+                let room = low.min(40.0 - from.x).min(30.0 - from.y);
+                if room > margin {
+                    assert_eq!(found, [1.0, 1.0]);
+                } else if room < -margin {
+                    assert_eq!(found, [0.0, 0.0]);
+                }
+                shades += usize::from(found[0] > 0.05 && found[0] < 0.95);
+            }
+        }
+        assert!(shades > 30, "{turn}° × {scale}: {shades}");
+    }
+}
+
+/// Along a slanted outline the coverage falls step by step, never back.
+#[test]
+fn coverage_across_a_slanted_outline_is_a_ramp() {
+    let window = Window::new(0, 0, 60, 60).unwrap();
+    let mut picture = Raster::new(window, 1).unwrap();
+    picture.samples_mut().fill(1.0);
+    let forward = Affine {
+        linear: DMat2::from_angle(0.2) * 1.1,
+        translation: dvec2(20.0, 5.0),
+    };
+    let target = Window::new(0, 0, 80, 80).unwrap();
+    let out = splat(&picture, &forward, target, SplatOptions::default()).unwrap();
+    // Down through the upper outline, which rises by tan 0.2 = 0.2027 a pixel.
+    let whole: Vec<f64> = (30..60)
+        .map(|x| (0..30).map(|y| f64::from(out.raster.pixel(x, y)[0])).sum())
+        .collect();
+    for pair in whole.windows(2) {
+        let rise = pair[0] - pair[1];
+        assert!((rise - 0.2027).abs() < 1e-3, "{rise}");
+    }
+    for x in 30..60 {
+        let column: Vec<f32> = (0..30).map(|y| out.raster.pixel(x, y)[0]).collect();
+        assert!(
+            column.windows(2).all(|pair| pair[0] <= pair[1]),
+            "{column:?}"
+        );
+        assert!(column.iter().filter(|&&v| v > 0.0 && v < 1.0).count() <= 2);
     }
 }

@@ -234,11 +234,120 @@ impl Panels {
         self.figure.disc(at, radius * self.unit, ink);
     }
 
-    /// The finished picture as a PNG file.
-    pub(super) fn png(&self) -> Result<Vec<u8>, Failure> {
+    /// The finished picture.
+    fn picture(&self) -> Result<Picture, Failure> {
         let (width, height) = self.size;
         let picture = Picture::from_rgb(&self.pixels, width, height).map_err(Failure::new)?;
-        let picture = self.figure.over(&picture).map_err(Failure::new)?;
-        picture.png().map_err(Failure::new)
+        self.figure.over(&picture).map_err(Failure::new)
+    }
+
+    /// The finished picture as a PNG file.
+    pub(super) fn png(&self) -> Result<Vec<u8>, Failure> {
+        self.picture()?.png().map_err(Failure::new)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    // A test that cannot be set up has nothing to say.
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// Two panels that show 30 × 20 pixels from (10, 20) on, 16 times as large.
+    fn panels() -> Panels {
+        let shown = Window::new(10, 20, 30, 20).unwrap();
+        let Ok(panels) = Panels::new((1040, 400), ThemeName::Light, shown, 2) else {
+            panic!("two panels of 500 × 380 pixels in a picture of 1040 × 400");
+        };
+        panels
+    }
+
+    #[test]
+    fn lines_are_cut_to_what_a_panel_shows() {
+        let panels = panels();
+        let seen = |line: &[(f64, f64)]| -> Vec<Vec<(f64, f64)>> {
+            let line: Vec<Plane> = line.iter().map(|&(x, y)| dvec2(x, y)).collect();
+            let runs = panels.seen(&line);
+            let run = |run: &Vec<Plane>| run.iter().map(|p| (p.x, p.y)).collect();
+            runs.iter().map(run).collect()
+        };
+        // Within, through, and past.
+        assert_eq!(
+            seen(&[(12.0, 22.0), (20.0, 30.0)]),
+            [[(12.0, 22.0), (20.0, 30.0)]]
+        );
+        assert_eq!(
+            seen(&[(0.0, 30.0), (100.0, 30.0)]),
+            [[(10.0, 30.0), (40.0, 30.0)]]
+        );
+        assert_eq!(
+            seen(&[(5.0, 15.0), (45.0, 55.0)]),
+            [[(10.0, 20.0), (30.0, 40.0)]]
+        );
+        assert!(seen(&[(0.0, 0.0), (100.0, 10.0)]).is_empty());
+        assert!(seen(&[(41.0, 0.0), (41.0, 100.0)]).is_empty());
+        // Out and in again are two runs; a corner within is one.
+        let out_and_in = [(15.0, 25.0), (15.0, 45.0), (25.0, 45.0), (25.0, 25.0)];
+        assert_eq!(
+            seen(&out_and_in),
+            [[(15.0, 25.0), (15.0, 40.0)], [(25.0, 40.0), (25.0, 25.0)]]
+        );
+        let corner = [(0.0, 25.0), (15.0, 25.0), (15.0, 0.0)];
+        assert_eq!(seen(&corner), [[(10.0, 25.0), (15.0, 25.0), (15.0, 20.0)]]);
+        // A point is a run, where it is shown.
+        assert_eq!(seen(&[(10.0, 40.0); 2]).len(), 1);
+        assert!(seen(&[(9.0, 40.0); 2]).is_empty());
+    }
+
+    #[test]
+    fn nothing_is_drawn_beyond_the_panels() {
+        let empty = panels().picture().unwrap_or_else(|_| panic!("a picture"));
+        let mut panels = panels();
+        let far = |x: f64, y: f64| dvec2(25.0 + x * 1e4, 30.0 + y * 1e4);
+        let wild: Vec<Plane> = (0..40)
+            .map(|i| {
+                let angle = f64::from(i) * 2.3;
+                far(angle.cos(), angle.sin())
+            })
+            .chain([
+                dvec2(f64::NAN, 3.0),
+                dvec2(-1e300, 1e300),
+                dvec2(1e300, 0.0),
+            ])
+            .collect();
+        for panel in 0..2 {
+            let marks = [
+                Mark::new(Role::Source, Shape::Polyline(wild.clone())),
+                Mark::new(Role::Target, Shape::Arrow(far(-1.0, 0.0), far(1.0, 0.1))),
+                Mark::new(Role::Target, Shape::Point(dvec2(-40.0, 30.0))),
+                Mark::new(Role::Target, Shape::Point(dvec2(41.0, 30.0))),
+            ];
+            panels.marks(panel, &marks);
+            let away = Affine {
+                linear: DMat2::from_diagonal(DVec2::splat(3.0)),
+                translation: dvec2(-50.0, -60.0),
+            };
+            panels.grid(panel, panels.shown, &away);
+        }
+        let drawn = panels.picture().unwrap_or_else(|_| panic!("a picture"));
+        // Half of a line's width may stand out.
+        let out = 3;
+        let mut inked = 0;
+        for y in 0..400 {
+            for x in 0..1040 {
+                let (across, down) = panels.own;
+                let is_in = panels.corners.iter().any(|&(left, top)| {
+                    let near = |at: u32, start: u32, size: u32| {
+                        at + out >= start && at < start + size + out
+                    };
+                    near(x, left, across) && near(y, top, down)
+                });
+                let same = drawn.pixel(x, y) == empty.pixel(x, y);
+                assert!(is_in || same, "({x}, {y})");
+                inked += usize::from(!same);
+            }
+        }
+        assert!(inked > 5000, "{inked}");
     }
 }

@@ -48,7 +48,7 @@ pub(crate) struct SnakeOptions {
         allow_hyphen_values = true
     )]
     pub sigma: f64,
-    /// How far away edges are seen, in pixels
+    /// How far away edges are seen, and how far the curve may go, in pixels
     #[arg(
         long,
         value_name = "PIXELS",
@@ -237,6 +237,11 @@ fn preview(
     panels.png()
 }
 
+/// A place as JSON.
+fn place(at: Option<Plane>) -> serde_json::Value {
+    at.map_or(serde_json::Value::Null, |at| json!([at.x, at.y]))
+}
+
 fn summary(options: &SnakeOptions, count: usize, report: &SnakeReport) {
     let short = files::short;
     say!(
@@ -262,6 +267,42 @@ fn summary(options: &SnakeOptions, count: usize, report: &SnakeReport) {
         );
     } else if !report.settled {
         say!("  warning: it did not come to rest; draw nearer to the edge, or raise --sigma");
+    }
+    if let Some(at) = report.held_at {
+        say!(
+            "  note: {} {} of the curve {} held {} px from where it was drawn, first at ({}, {}); what is beyond is not reached: draw \
+             nearer to the edge, or raise --reach",
+            report.held,
+            if report.held == 1 { "point" } else { "points" },
+            if report.held == 1 { "was" } else { "were" },
+            short(options.reach),
+            short(at.x),
+            short(at.y)
+        );
+    }
+    if report.slowed > 0 {
+        say!(
+            "  note: the curve would have crossed itself, so that parts of it went less far in {} {}; look at --preview, and draw nearer \
+             to the edge, or raise --sigma",
+            report.slowed,
+            if report.slowed == 1 {
+                "round"
+            } else {
+                "rounds"
+            }
+        );
+    }
+    if let Some(at) = report.crossing {
+        let cause = if options.points.is_some() {
+            "as it was drawn it does with so few points; raise --points, or draw it apart"
+        } else {
+            "as it did when it was drawn; draw it apart"
+        };
+        say!(
+            "  warning: the curve crosses itself near ({}, {}), {cause}",
+            short(at.x),
+            short(at.y)
+        );
     }
     for path in [&options.preview, &options.report].into_iter().flatten() {
         say!("  wrote {}", path.display());
@@ -316,6 +357,9 @@ pub(crate) fn run(options: &SnakeOptions) -> Result<(), Failure> {
             "moved": { "mean": report.mean, "farthest": report.farthest },
             "edge_strength": { "before": report.edge_before, "after": report.edge_after },
             "settled": report.settled,
+            "held": { "points": report.held, "first": place(report.held_at) },
+            "slowed_rounds": report.slowed,
+            "crossing": { "before": report.crossed_before, "after": place(report.crossing) },
         });
         let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
         results.push((path, format!("{text}\n").into_bytes()));

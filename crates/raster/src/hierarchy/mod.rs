@@ -19,7 +19,8 @@
 //!
 //! An estimate can miss what is smaller than the distance of the evaluations, a quarter of a cell (half of the smallest).
 //! Therefore cells are at most 32 pixels large; cells that meet the support are at most an eighth of the support's size; cells on
-//! an edge of the support where the deformation is not smooth are evaluated pixel by pixel; a cell of 8 pixels or more is never larger
+//! an edge of the support where the deformation is not smooth are evaluated pixel by pixel, and so are those at kinks that it names
+//! ([`Facts::kinks`](anamorph_core::Facts::kinks)); a cell of 8 pixels or more is never larger
 //! than a refined neighbour, so that a crease that a cell misses has been seen by the cells that it comes from; and cells of 8 and 4
 //! pixels are looked at again along the sides that they share with cells that are quartered or evaluated pixel by pixel. The allowed error
 //! holds pixel by pixel in each cell, so also where cells of different sizes meet; there the map can step by at most twice that.

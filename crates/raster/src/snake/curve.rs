@@ -12,6 +12,8 @@ pub(super) struct Curve {
     pub(super) points: Vec<DVec2>,
     /// Which of them were given, in order.
     marks: Vec<usize>,
+    /// Where those were in the beginning.
+    start: Vec<DVec2>,
     closed: bool,
     spacing: f64,
 }
@@ -61,6 +63,7 @@ impl Curve {
         let given = Self {
             points: points.to_vec(),
             marks: (0..points.len()).collect(),
+            start: points.to_vec(),
             closed,
             spacing,
         };
@@ -103,9 +106,34 @@ impl Curve {
         Some(Self {
             points,
             marks,
+            start: self.start.clone(),
             closed: self.closed,
             spacing: self.spacing,
         })
+    }
+
+    /// The same curve with its points in other places.
+    pub(super) fn with_points(&self, points: Vec<DVec2>) -> Self {
+        Self {
+            points,
+            marks: self.marks.clone(),
+            start: self.start.clone(),
+            closed: self.closed,
+            spacing: self.spacing,
+        }
+    }
+
+    /// For each point the segment of the first shape that it lay on; of a given point both ends are its own place.
+    pub(super) fn origins(&self) -> Vec<[DVec2; 2]> {
+        let mut origins = Vec::with_capacity(self.points.len());
+        for (number, &mark) in self.marks.iter().enumerate() {
+            let next = (number + 1) % self.start.len();
+            let own = [self.start[number], self.start[next]];
+            let end = self.marks.get(number + 1).copied();
+            origins.push([own[0]; 2]);
+            origins.extend((mark + 1..end.unwrap_or(self.points.len())).map(|_| own));
+        }
+        origins
     }
 
     /// Lengths from each point to the next; of a closed curve also from the last to the first.
@@ -118,19 +146,34 @@ impl Curve {
         inner.chain(wrap).collect()
     }
 
-    /// Unit vectors across the curve, by the neighbours of each point; 0 where they are in one place.
-    pub(super) fn normals(&self) -> impl Iterator<Item = DVec2> + '_ {
+    /// The unit vector across the curve at a point, by its neighbours; 0 where they are in one place.
+    pub(super) fn normal(&self, i: usize) -> DVec2 {
         let count = self.points.len();
-        (0..count).map(move |i| {
-            let (before, after) = if self.closed {
-                ((i + count - 1) % count, (i + 1) % count)
-            } else {
-                (i.saturating_sub(1), (i + 1).min(count - 1))
-            };
-            (self.points[after] - self.points[before])
-                .perp()
-                .normalize_or_zero()
-        })
+        let (before, after) = if self.closed {
+            ((i + count - 1) % count, (i + 1) % count)
+        } else {
+            (i.saturating_sub(1), (i + 1).min(count - 1))
+        };
+        (self.points[after] - self.points[before])
+            .perp()
+            .normalize_or_zero()
+    }
+
+    /// The result: so many points the same distance apart, or the given ones.
+    pub(super) fn result(&self, count: Option<usize>) -> Vec<DVec2> {
+        count.map_or_else(|| self.given(), |count| self.resampled(count))
+    }
+
+    /// About which point of the curve a point of the result is.
+    pub(super) fn place_of(&self, number: usize, count: Option<usize>) -> usize {
+        let last = self.points.len() - 1;
+        match count {
+            Some(count) => {
+                let pieces = if self.closed { count } else { count - 1 };
+                (number * last / pieces.max(1)).min(last)
+            }
+            None => self.marks.get(number).copied().unwrap_or(last),
+        }
     }
 
     /// The given points.

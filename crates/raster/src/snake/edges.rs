@@ -3,6 +3,7 @@
 //! *Source*: J. Canny, *A Computational Approach to Edge Detection*, IEEE Transactions on PAMI 8(6), 1986 (the gradient of the smoothed
 //! image, its largest values across an edge).
 
+use super::TOGETHER;
 use super::curve::Curve;
 use crate::{Raster, RasterError, Window, parallel};
 use anamorph_core::glam::{DVec2, dvec2};
@@ -208,13 +209,17 @@ impl Edges {
     /// The strongest edge that the curve sees, `reach` pixels to either side; 0 where there is none at all.
     pub(super) fn reference(&self, curve: &Curve, reach: f64) -> f64 {
         const LOOKS: i32 = 8;
-        let mut most = WEAKEST * self.largest;
-        for (normal, &point) in curve.normals().zip(&curve.points) {
-            for look in -LOOKS..=LOOKS {
-                let aside = normal * (reach * f64::from(look) / f64::from(LOOKS));
-                most = most.max(self.strength(point + aside));
+        let mut seen = vec![0.0_f64; curve.points.len()];
+        parallel::chunks(&mut seen, TOGETHER, |run, seen| {
+            for (i, most) in (run * TOGETHER..).zip(seen) {
+                let (normal, point) = (curve.normal(i), curve.points[i]);
+                for look in -LOOKS..=LOOKS {
+                    let aside = normal * (reach * f64::from(look) / f64::from(LOOKS));
+                    *most = most.max(self.strength(point + aside));
+                }
             }
-        }
+        });
+        let most = seen.into_iter().fold(WEAKEST * self.largest, f64::max);
         if self.largest > 0.0 { most } else { 0.0 }
     }
 }

@@ -10,21 +10,26 @@
 //!
 //! Rounds go from coarse scales, whose edges are seen from afar, to the scale asked for, where the elasticity fades round by
 //! round. Steps are semi-implicit: the elastic part by a pentadiagonal system (cyclic for closed curves), the edges' force as
-//! it stands, and only across the curve, because sliding along itself changes no shape.
+//! it stands, and only across the curve, because sliding along itself changes no shape. No point goes farther than the reach
+//! from where it began, and no round makes a curve cross itself that did not; each step and each such check takes a time
+//! linear in the number of points.
 //!
 //! *Source*: M. Kass, A. Witkin, D. Terzopoulos, *Snakes: Active Contour Models*, International Journal of Computer Vision 1,
 //! 1988 (energy, semi-implicit steps, scale space); S.-Y. Lee, K.-Y. Chwa, S. Y. Shin, *Image Metamorphosis Using Snakes and
 //! Free-Form Deformations*, SIGGRAPH 1995 (snakes as features of a metamorphosis). The proximal rounds are R. T. Rockafellar's,
 //! *Monotone Operators and the Proximal Point Algorithm*, SIAM Journal on Control and Optimization 14(5), 1976.
 
+mod crossings;
 mod curve;
 mod edges;
+mod limits;
 mod solve;
 
-use crate::{Raster, RasterError, Window};
+use crate::{Raster, RasterError, Window, parallel};
 use anamorph_core::glam::DVec2;
 use curve::Curve;
 use edges::Edges;
+use limits::{Limits, held};
 use solve::Stiffness;
 
 /// Semi-implicit steps of a round at most.
@@ -41,6 +46,9 @@ const LEAST: f64 = 1.0 / 32.0;
 const SEEN: f64 = 2.5;
 /// Points of a curve at most.
 const MOST: usize = 1 << 20;
+const TOO_MANY: SnakeError = SnakeError::TooMany { most: MOST };
+/// Points that one task works on.
+const TOGETHER: usize = 1024;
 
 /// What an open curve's ends do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -61,7 +69,9 @@ pub struct Snake {
     pub ends: Ends,
     /// Standard deviation of the Gaussian that smooths the image on the finest scale, in pixels; from 0.5 to 100.
     pub sigma: f64,
-    /// How far away an edge may be and still be found, in pixels; from 0 to 1000. It decides on the coarsest scale.
+    /// How far away an edge may be and still be found, and how far the curve may go, in pixels; from 0 to 1000. It decides on the
+    /// coarsest scale. A given point ends no farther than this from its own place, all of the curve no farther than this from the curve
+    /// as it was given.
     pub reach: f64,
     /// Stiffness against stretching: `α/σ²`; not negative.
     pub alpha: f64,
@@ -100,8 +110,19 @@ pub struct SnakeReport {
     pub edge_before: f64,
     /// The same after.
     pub edge_after: f64,
-    /// Whether it came to rest; else it was stopped after many rounds.
+    /// Whether it came to rest; else it was stopped after many rounds, or because it would have crossed itself.
     pub settled: bool,
+    /// How many points of the curve wanted to go farther than `reach` in the end and were held there.
+    pub held: usize,
+    /// Where the first of them is.
+    pub held_at: Option<DVec2>,
+    /// In how many rounds parts of the curve went less far than they would have, or stayed, because the curve would have crossed
+    /// itself.
+    pub slowed: usize,
+    /// Whether the curve crossed itself as it was given (with the number of points asked for). Only then can the result.
+    pub crossed_before: bool,
+    /// A place where the result crosses or touches itself, if it does.
+    pub crossing: Option<DVec2>,
 }
 
 /// Why a curve cannot relax.
@@ -241,7 +262,7 @@ fn check_points(points: &[DVec2], window: Window, options: &Snake) -> Result<(),
         });
     }
     if points.len() > MOST {
-        return Err(SnakeError::TooMany { most: MOST });
+        return Err(TOO_MANY);
     }
     if let Some(index) = points.iter().position(|point| !point.is_finite()) {
         return Err(SnakeError::NotFinite { index });
@@ -306,8 +327,8 @@ pub fn relax(
     let scales = options.scales();
     let coarsest = scales.first().copied().unwrap_or(options.sigma);
     let finest = Edges::new(image, weights, points, options.sigma, coarsest)?;
-    let mut curve = Curve::new(points, options.closed, options.sigma.max(1.0))
-        .ok_or(SnakeError::TooMany { most: MOST })?;
+    let mut curve = Curve::new(points, options.closed, options.sigma.max(1.0)).ok_or(TOO_MANY)?;
+    let limits = Limits::new(&curve, options);
     let mut report = SnakeReport {
         steps: 0,
         farthest: 0.0,
@@ -315,6 +336,11 @@ pub fn relax(
         edge_before: curve.mean(|p| finest.strength(p)),
         edge_after: 0.0,
         settled: true,
+        held: 0,
+        held_at: None,
+        slowed: 0,
+        crossed_before: limits.crossed_before(),
+        crossing: None,
     };
     for &sigma in &scales {
         let is_finest = sigma == options.sigma;
@@ -328,9 +354,22 @@ pub fn relax(
         let mut share = 1.0;
         report.settled = false;
         for _ in 0..ROUNDS {
-            let (steps, moved) = round(&mut curve, edges, options, sigma, share);
+            let Round { steps, ends, held } = round(&curve, edges, options, sigma, share);
             report.steps += steps;
+            report.held = held.len();
+            report.held_at = held.first().map(|&i| ends[i]);
             let faded = !is_finest || share <= LEAST;
+            let moved = farthest(&curve.points, &ends);
+            if moved > 0.0 {
+                let (next, is_whole) = limits.stepped(&curve, &ends)?;
+                report.slowed += usize::from(!is_whole);
+                let is_stuck = next.is_none();
+                curve = next.unwrap_or(curve);
+                // Without a way on, stiffer or softer ones end here, too.
+                if is_stuck && faded {
+                    break;
+                }
+            }
             if moved <= SETTLED && faded {
                 report.settled = true;
                 break;
@@ -338,35 +377,45 @@ pub fn relax(
             if !faded {
                 share *= FADING;
             }
-            if moved > 0.0 {
-                curve = curve.respaced().ok_or(SnakeError::TooMany { most: MOST })?;
-            }
         }
     }
     let gone = curve.given();
-    for (from, to) in points.iter().zip(&gone) {
-        let distance = from.distance(*to);
-        report.farthest = report.farthest.max(distance);
-        report.mean += distance / points.len() as f64;
-    }
+    report.farthest = farthest(points, &gone);
+    let ways = points.iter().zip(&gone);
+    report.mean = ways.map(|(from, to)| from.distance(*to)).sum::<f64>() / points.len() as f64;
     report.edge_after = curve.mean(|p| finest.strength(p));
-    Ok((
-        options.points.map_or(gone, |count| curve.resampled(count)),
-        report,
-    ))
+    let result = curve.result(options.points);
+    report.crossing = limits.crossing(&result);
+    Ok((result, report))
 }
 
-/// Relaxes a curve from its present shape as rest shape; how many steps that took, and how far the farthest point has moved.
-fn round(
-    curve: &mut Curve,
-    edges: &Edges,
-    options: &Snake,
-    sigma: f64,
-    share: f64,
-) -> (usize, f64) {
+/// The longest way from points to others.
+fn farthest(points: &[DVec2], others: &[DVec2]) -> f64 {
+    let ways = points.iter().zip(others);
+    ways.map(|(from, to)| from.distance(*to))
+        .fold(0.0, f64::max)
+}
+
+/// What a round comes to.
+struct Round {
+    /// How many steps it took.
+    steps: usize,
+    /// Where the points end.
+    ends: Vec<DVec2>,
+    /// Those that the reach held back in the last step.
+    held: Vec<usize>,
+}
+
+/// Relaxes a curve from its present shape as rest shape.
+fn round(curve: &Curve, edges: &Edges, options: &Snake, sigma: f64, share: f64) -> Round {
+    let mut round = Round {
+        steps: 0,
+        ends: curve.points.clone(),
+        held: Vec::new(),
+    };
     let reference = edges.reference(curve, SEEN * sigma);
     if reference <= 0.0 {
-        return (0, 0.0);
+        return round;
     }
     let fixed = !options.closed && options.ends == Ends::Fixed;
     let squared = sigma * sigma;
@@ -377,37 +426,39 @@ fn round(
         share * options.alpha * squared,
         share * options.beta * squared * squared,
     );
-    let rest = curve.points.clone();
-    let mut displacement = vec![DVec2::ZERO; rest.len()];
-    let mut steps = 0;
+    let origins = curve.origins();
+    let rest = &curve.points;
+    let mut now = curve.with_points(rest.clone());
+    let mut next = vec![DVec2::ZERO; rest.len()];
     for _ in 0..STEPS {
         // The step of time is 1: the force near an edge is the distance to it, so that larger ones would overshoot.
-        let mut next: Vec<DVec2> = curve
-            .normals()
-            .zip(&curve.points)
-            .zip(&displacement)
-            .map(|((normal, &p), u)| {
+        parallel::chunks(&mut next, TOGETHER, |run, next| {
+            for (i, next) in (run * TOGETHER..).zip(next) {
+                let (normal, p) = (now.normal(i), now.points[i]);
                 let force = edges.slope(p) * (squared / reference);
-                *u + normal * normal.dot(force)
-            })
-            .collect();
+                *next = p - rest[i] + normal * normal.dot(force);
+            }
+        });
         stiffness.solve(&mut next);
         let mut change = 0.0_f64;
-        for ((u, next), (point, rest)) in displacement
-            .iter_mut()
-            .zip(&next)
-            .zip(curve.points.iter_mut().zip(&rest))
-        {
-            let to = edges.within(*rest + *next);
+        round.held.clear();
+        let each = next.iter().zip(rest).zip(&origins).zip(&mut now.points);
+        for (i, (((next, rest), &origin), point)) in each.enumerate() {
+            let wanted = *rest + *next;
+            let near = held(wanted, origin, options.reach);
+            if near.distance(wanted) > 0.1 * SETTLED {
+                round.held.push(i);
+            }
+            // The part of the image is convex and holds all of the first shape, so that this leads no farther from it.
+            let to = edges.within(near);
             change = change.max(to.distance(*point));
-            *u = to - *rest;
             *point = to;
         }
-        steps += 1;
+        round.steps += 1;
         if change < 0.2 * SETTLED {
             break;
         }
     }
-    let moved = displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
-    (steps, moved)
+    round.ends = now.points;
+    round
 }

@@ -55,6 +55,10 @@ pub(super) fn reach_facts<S: Space>(reaches: impl Iterator<Item = (S, Reach)>) -
     for (origin, reach) in reaches {
         facts.support = facts.support.union(reach.support(origin));
         facts.inside = facts.inside.min(reach.smoothness());
+        // The falloff's tip.
+        if reach.radius.is_some() && reach.falloff.facts().centre < Smoothness::C(1) {
+            facts.kinks.push(origin);
+        }
     }
     if facts.support == Support::Nowhere {
         return Facts::identity();

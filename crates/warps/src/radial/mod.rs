@@ -552,10 +552,16 @@ impl<S: Space> Deformation<S> for RadialWarp<S> {
             });
             support = balls.fold(Support::Nowhere, Support::union);
         }
+        // The kernel has the tip of a cone at each centre.
+        let mut kinks = Vec::new();
+        if class < anamorph_core::Smoothness::C(1) {
+            kinks.extend(self.pairs.iter().map(|pair| pair.source));
+        }
         Facts {
             support,
             inside: class,
             edge: class,
+            kinks,
             stretch: with_profile!(self.formula, P => self.stretch::<P>()),
             ..Facts::identity()
         }
