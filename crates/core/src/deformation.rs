@@ -38,6 +38,8 @@ pub struct Facts<S> {
     /// Places where the Jacobian jumps although `inside` is at least continuous, as far as they are single points: the
     /// centres of cones. A hint for whoever samples the deformation; more such places may exist, and none need be in the support.
     pub kinks: Vec<S>,
+    /// Straight pieces along which it jumps, by their ends; a hint, too.
+    pub creases: Vec<[S; 2]>,
     /// Sentences a report should carry: which limits are in force, where continuity is lost, what repairs it.
     pub notes: Vec<String>,
 }
@@ -58,6 +60,7 @@ impl<S: Space> Facts<S> {
             upright: None,
             one_to_one: None,
             kinks: Vec::new(),
+            creases: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -336,7 +339,7 @@ impl<S: Space> Deformation<S> for Stack<S> {
         let mut alone = true;
         for (number, mut next) in moving.enumerate() {
             alone = false;
-            // Where the parts before have no inverse in closed form, kinks of a later one are left out: they are a hint.
+            // A crease of a later part is seldom straight before it. Where the parts before have no inverse in closed form, kinks of a later one are left out: they are a hint.
             let before = &self.parts[..=number];
             let back = |kink: S| {
                 before.iter().rev().try_fold(kink, |place, part| {

@@ -49,6 +49,8 @@ pub(super) struct Cells {
     pub(super) states: Vec<State>,
     /// The largest error that was found in each.
     pub(super) errors: Vec<f64>,
+    /// Whether each was quartered because of what is known of the deformation, rather than of what was found.
+    pub(super) known: Vec<bool>,
     /// Sides along which each is to be probed, and, four bits higher, has been.
     pub(super) probes: Vec<u8>,
     /// Those to be decided on.
@@ -149,6 +151,7 @@ impl<'a> Band<'a> {
                     across: width / size,
                     states: vec![start; count],
                     errors: vec![0.0; count],
+                    known: vec![false; count],
                     probes: vec![0; count],
                     fresh: if size == coarsest {
                         (0..count as u32).collect()
@@ -169,7 +172,7 @@ impl<'a> Band<'a> {
             width,
             levels,
             value_at: vec![NONE; places(GRAIN)],
-            values: Vec::new(),
+            values: Vec::with_capacity(width * ROWS / 16),
             jacobian_at: vec![NONE; places(FINEST)],
             jacobians: Vec::new(),
             value_places: Vec::new(),
@@ -181,9 +184,11 @@ impl<'a> Band<'a> {
         }
     }
 
+    #[inline]
     fn value_slot(&self, x: usize, y: usize) -> usize {
         y / GRAIN * (self.width / GRAIN + 1) + x / GRAIN
     }
+    #[inline]
     fn jacobian_slot(&self, x: usize, y: usize) -> usize {
         y / FINEST * (self.width / FINEST + 1) + x / FINEST
     }
@@ -239,6 +244,7 @@ impl<'a> Band<'a> {
                         State::Derived
                     }
                     Verdict::Refine => {
+                        self.levels[level].known[cell] = true;
                         self.refine(level, (x, y));
                         continue;
                     }
@@ -422,6 +428,7 @@ impl<'a> Band<'a> {
         }
     }
 
+    #[inline]
     fn ask_value(&mut self, x: usize, y: usize) {
         let slot = self.value_slot(x, y);
         if self.value_at[slot] == NONE && self.work.coarse.value(x, self.top + y).is_none() {
@@ -438,6 +445,7 @@ impl<'a> Band<'a> {
         }
     }
 
+    #[inline]
     fn value(&self, x: usize, y: usize) -> DVec2 {
         let number = self.value_at[self.value_slot(x, y)] as usize;
         match self.values.get(number.wrapping_sub(1)) {
@@ -450,6 +458,7 @@ impl<'a> Band<'a> {
         }
     }
 
+    #[inline]
     fn jacobian(&self, x: usize, y: usize) -> DMat2 {
         let number = self.jacobian_at[self.jacobian_slot(x, y)] as usize;
         match self.jacobians.get(number.wrapping_sub(1)) {
@@ -496,6 +505,7 @@ impl<'a> Band<'a> {
         self.points = points;
     }
 
+    #[inline]
     fn known_corners(&self, x: usize, y: usize, size: usize) -> Corners {
         let corners = Self::corners(x, y, size);
         let values = corners.map(|(x, y)| self.value(x, y));
@@ -504,11 +514,13 @@ impl<'a> Band<'a> {
     }
 
     /// The values in the middles of a cell's edges and its own.
+    #[inline]
     fn middles(&self, x: usize, y: usize, size: usize) -> [DVec2; 5] {
         MIDDLES.map(|(i, j)| self.value(x + i * size / 4, y + j * size / 4))
     }
 
     /// The values in the middles of its quarters.
+    #[inline]
     fn quarters(&self, x: usize, y: usize, size: usize) -> [DVec2; 4] {
         QUARTERS.map(|(i, j)| self.value(x + i * size / 4, y + j * size / 4))
     }

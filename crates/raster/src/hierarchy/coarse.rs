@@ -112,13 +112,16 @@ impl Coarse {
     }
 
     /// The displacement at pixel `(x, y)` of the window, if it was evaluated.
+    #[inline]
     pub(super) fn value(&self, x: usize, y: usize) -> Option<DVec2> {
-        let (half, quarter) = (self.size / 2, self.size / 4);
+        // Sizes are powers of 2.
+        let (shift, quarter) = (self.size.trailing_zeros() - 1, self.size / 4);
+        let (column, row) = (x >> shift, y >> shift);
         let across = self.across * 2;
-        match (x % half, y % half) {
-            (0, 0) => Some(self.halves[y / half * (across - 1) + x / half]),
+        match (x - (column << shift), y - (row << shift)) {
+            (0, 0) => Some(self.halves[row * (across - 1) + column]),
             (a, b) if a == quarter && b == quarter => {
-                Some(self.quarters[y / half * (across - 2) + x / half])
+                Some(self.quarters[row * (across - 2) + column])
             }
             _ => None,
         }
@@ -126,7 +129,7 @@ impl Coarse {
 
     /// The Jacobian of the displacement there, if it was measured.
     pub(super) fn jacobian(&self, x: usize, y: usize) -> Option<DMat2> {
-        (x.is_multiple_of(self.size) && y.is_multiple_of(self.size))
-            .then(|| self.jacobians[y / self.size * self.across + x / self.size])
+        let (shift, rest) = (self.size.trailing_zeros(), self.size - 1);
+        ((x | y) & rest == 0).then(|| self.jacobians[(y >> shift) * self.across + (x >> shift)])
     }
 }

@@ -1,5 +1,5 @@
 //! What cells ask of their neighbours: that no cell is much larger than a refined one beside it, and a closer look along the sides
-//! of small ones that have such a neighbour.
+//! of small ones that have such a neighbour; but for neighbours that were refined because of what the deformation says of itself.
 //!
 //! Every refined cell is looked at until its neighbours have been seen to, those in the first and last rows of a band by the
 //! bands above and below, too.
@@ -9,7 +9,8 @@
 
 use super::band::{Band, PROBED, State};
 
-/// Which cells of a band's first and last rows have been refined since the last time, for each size, by column.
+/// Which cells of a band's first and last rows have been refined since the last time, for each size, by column; twice it, and one more for those that
+/// were known to need it.
 pub(super) struct Rims(Vec<[Vec<u32>; 2]>);
 
 /// What came of looking at a neighbour.
@@ -30,11 +31,12 @@ impl Band<'_> {
             let (across, count) = (level.across as u32, level.states.len() as u32);
             let mut rims = [Vec::new(), Vec::new()];
             for cell in level.news.drain(..) {
+                let known = u32::from(level.known[cell as usize]);
                 if cell < across {
-                    rims[0].push(cell);
+                    rims[0].push(2 * cell + known);
                 }
                 if cell + across >= count {
-                    rims[1].push(cell + across - count);
+                    rims[1].push(2 * (cell + across - count) + known);
                 }
             }
             rims
@@ -54,7 +56,10 @@ impl Band<'_> {
                 if let Some(rims) = rims {
                     beyond.extend(&rims.0[level][1 - number]);
                 }
-                beyond.retain(|&column| self.grade_beyond(level, column as usize, row, number));
+                beyond.retain(|&cell| {
+                    let place = (cell as usize / 2, row);
+                    self.grade_beyond(level, place, number, cell % 2 == 1)
+                });
                 open |= !beyond.is_empty();
                 self.levels[level].beyond[number] = beyond;
             }
@@ -77,7 +82,13 @@ impl Band<'_> {
     }
 
     /// Sees to the neighbours of a refined cell of the band above (0) or below (1). Whether it must be looked at again.
-    fn grade_beyond(&mut self, level: usize, column: usize, row: usize, side: usize) -> bool {
+    fn grade_beyond(
+        &mut self,
+        level: usize,
+        (column, row): (usize, usize),
+        side: usize,
+        known: bool,
+    ) -> bool {
         let least = self.beside(level);
         let shift = level - least;
         let across = self.levels[level].across;
@@ -85,7 +96,7 @@ impl Band<'_> {
         for x in column.saturating_sub(1)..(column + 2).min(across) {
             again |= self.present(least, x >> shift, row >> shift);
         }
-        if self.levels[level].size <= PROBED {
+        if self.levels[level].size <= PROBED && !known {
             again |= !matches!(self.expose(level, column, row, side), Seen::Settled);
         }
         again
@@ -104,7 +115,7 @@ impl Band<'_> {
                 again |= self.present(least, x >> shift, y >> shift);
             }
         }
-        if self.levels[level].size <= PROBED {
+        if self.levels[level].size <= PROBED && !self.levels[level].known[cell] {
             let (up, left) = (row.checked_sub(1), column.checked_sub(1));
             let (down, right) = (row + 1, column + 1);
             let sides = [

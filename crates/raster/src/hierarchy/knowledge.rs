@@ -4,7 +4,6 @@ use super::{FINEST, Hierarchy};
 use crate::Window;
 use anamorph_core::glam::DVec2;
 use anamorph_core::{Bounds, Facts, Plane, Smoothness, Support};
-use std::collections::HashSet;
 
 /// How far from a cell, in its sizes, a kink still makes it be quartered: beside a cone the map bends most.
 const NEAR: f64 = 0.25;
@@ -29,8 +28,8 @@ pub(super) struct Knowledge {
     largest: f64,
     /// The deformation has kinks or jumps along the edge of its support.
     sharp_edge: bool,
-    /// Cells at kinks: their size, and which across and down. Only asked whether a cell is among them.
-    kinks: HashSet<(usize, i64, i64)>,
+    /// Cells at kinks and creases.
+    kinks: Marks,
     /// Bounds of first and second derivatives of the displacement.
     first: Option<f64>,
     second: Option<f64>,
@@ -39,30 +38,124 @@ pub(super) struct Knowledge {
     corner: DVec2,
 }
 
-/// The cells of all sizes that hold one of the places or have one near.
-fn cells_at(places: &[Plane], window: Window, coarsest: usize) -> HashSet<(usize, i64, i64)> {
-    let mut cells = HashSet::new();
-    let whole = DVec2::new(window.width() as f64, window.height() as f64);
-    let margin = coarsest as f64;
-    for place in places {
-        // The cell of the interpolant begins at the centre of its first pixel.
-        let at = *place - window.corner() - 0.5;
-        let seen = at.cmpge(DVec2::splat(-margin)).all() && at.cmple(whole + margin).all();
-        if !seen {
-            continue;
+/// Marked cells of all sizes.
+#[derive(Default)]
+struct Marks {
+    /// By size, the coarsest first: how many cells there are across, and whether each is marked, row by row.
+    levels: Vec<(usize, Vec<bool>)>,
+    coarsest: usize,
+}
+
+impl Marks {
+    /// The cells that hold a kink or have one near, or are crossed by a crease.
+    fn new(facts: &Facts<Plane>, window: Window, coarsest: usize) -> Self {
+        if facts.kinks.is_empty() && facts.creases.is_empty() {
+            return Self::default();
         }
-        let sizes = core::iter::successors(Some(coarsest), |size| Some(size / 2));
-        for size in sizes.take_while(|size| *size >= FINEST) {
-            let (cell, near) = (at / size as f64, DVec2::splat(NEAR));
-            let (low, high) = ((cell - near).floor(), (cell + near).floor());
-            for column in low.x as i64..=high.x as i64 {
-                for row in low.y as i64..=high.y as i64 {
-                    cells.insert((size, column, row));
+        let sizes = || {
+            let sizes = core::iter::successors(Some(coarsest), |size| Some(size / 2));
+            sizes.take_while(|size| *size >= FINEST)
+        };
+        let none = |size| {
+            let across = window.width().div_ceil(size);
+            (across, vec![false; across * window.height().div_ceil(size)])
+        };
+        let mut levels: Vec<(usize, Vec<bool>)> = sizes().map(none).collect();
+        let mut mark = |level: usize, column: i64, row: i64| {
+            let (across, marks) = &mut levels[level];
+            if let (Ok(column), Ok(row)) = (usize::try_from(column), usize::try_from(row))
+                && column < *across
+                && let Some(mark) = marks.get_mut(row * *across + column)
+            {
+                *mark = true;
+            }
+        };
+        let whole = DVec2::new(window.width() as f64, window.height() as f64);
+        let margin = coarsest as f64;
+        // The cell of the interpolant begins at the centre of its first pixel.
+        let own = |place: DVec2| place - window.corner() - 0.5;
+        for crease in &facts.creases {
+            let Some(ends) = clipped(crease.map(own), whole + margin) else {
+                continue;
+            };
+            for (level, size) in sizes().enumerate() {
+                for (column, row) in crossed(ends.map(|end| end / size as f64)) {
+                    mark(level, column, row);
                 }
             }
         }
+        for place in facts.kinks.iter().chain(facts.creases.as_flattened()) {
+            let at = own(*place);
+            let seen = at.cmpge(DVec2::splat(-margin)).all() && at.cmple(whole + margin).all();
+            if !seen {
+                continue;
+            }
+            for (level, size) in sizes().enumerate() {
+                let (cell, near) = (at / size as f64, DVec2::splat(NEAR));
+                let (low, high) = ((cell - near).floor(), (cell + near).floor());
+                for column in low.x as i64..=high.x as i64 {
+                    for row in low.y as i64..=high.y as i64 {
+                        mark(level, column, row);
+                    }
+                }
+            }
+        }
+        Self { levels, coarsest }
     }
-    cells
+
+    /// Whether the cell of that size at that pixel is marked.
+    fn contains(&self, x: usize, y: usize, size: usize) -> bool {
+        let Some(level) = self.coarsest.checked_ilog2().zip(size.checked_ilog2()) else {
+            return false;
+        };
+        let level = self.levels.get((level.0 - level.1) as usize);
+        level.is_some_and(|(across, marks)| marks[y / size * across + x / size])
+    }
+}
+
+/// The piece of a segment between the corner and `far`.
+fn clipped([from, to]: [DVec2; 2], far: DVec2) -> Option<[DVec2; 2]> {
+    let (mut first, mut last) = (0.0_f64, 1.0_f64);
+    let step = to - from;
+    for axis in 0..2 {
+        let (a, b) = (
+            -from[axis] / step[axis],
+            (far[axis] - from[axis]) / step[axis],
+        );
+        if step[axis] == 0.0 {
+            if !(0.0..=far[axis]).contains(&from[axis]) {
+                return None;
+            }
+        } else {
+            first = first.max(a.min(b));
+            last = last.min(a.max(b));
+        }
+    }
+    (first <= last).then(|| [from + step * first, from + step * last])
+}
+
+/// The unit squares that a segment goes through, those that it touches in an edge or corner included.
+fn crossed([a, b]: [DVec2; 2]) -> Vec<(i64, i64)> {
+    // A rounding more on either side.
+    const MORE: f64 = 1e-9;
+    let (left, right) = if a.x <= b.x { (a, b) } else { (b, a) };
+    let mut squares = Vec::new();
+    for column in (left.x - MORE).floor() as i64..=(right.x + MORE).floor() as i64 {
+        let at = |x: f64| {
+            let share = (x - left.x) / (right.x - left.x);
+            let share = if share.is_nan() { 0.0 } else { share };
+            left.y + (right.y - left.y) * share.clamp(0.0, 1.0)
+        };
+        let (x, whole) = (column as f64, right.x - left.x <= MORE);
+        let (y0, y1) = if whole {
+            (left.y, right.y)
+        } else {
+            (at(x - MORE), at(x + 1.0 + MORE))
+        };
+        let (low, high) = (y0.min(y1) - MORE, y0.max(y1) + MORE);
+        squares.extend((low.floor() as i64..=high.floor() as i64).map(|row| (column, row)));
+    }
+    squares
 }
 
 impl Knowledge {
@@ -76,7 +169,7 @@ impl Knowledge {
             support: facts.support,
             largest,
             sharp_edge: facts.edge < Smoothness::C(1),
-            kinks: cells_at(&facts.kinks, window, options.coarsest),
+            kinks: Marks::new(facts, window, options.coarsest),
             first: facts.stretch().filter(|_| continuous),
             second: options.second_derivative,
             max_error: options.max_error,
@@ -109,8 +202,7 @@ impl Knowledge {
             return Verdict::Derived;
         }
         let on_edge = self.sharp_edge && !self.support.covers(&cell);
-        let index = |at: usize| (at / size) as i64;
-        let on_kink = !self.kinks.is_empty() && self.kinks.contains(&(size, index(x), index(y)));
+        let on_kink = self.kinks.contains(x, y, size);
         if self.only_derived || h > self.largest || on_edge || on_kink {
             return Verdict::Refine;
         }

@@ -178,6 +178,19 @@ fn facts<S: Space>(items: &[Item<S>]) -> Facts<S> {
         return facts;
     }
     facts.inside = facts.weights;
+    // The distance to an element bends on it: a point is the tip of a cone, a segment a crease.
+    for item in items {
+        let source = &item.pair.source;
+        if class(item.weight.constants) < Smoothness::C(1) {
+            match source.dimension() {
+                0 => facts.kinks.push(source.corner()),
+                1 => facts
+                    .creases
+                    .push([source.corner(), source.corner() + source.edge(0)]),
+                _ => {}
+            }
+        }
+    }
     let pinning: Vec<(&Item<S>, Bounds<S>)> = items
         .iter()
         .filter(|i| i.weight.pins())
