@@ -126,7 +126,7 @@ pub(crate) struct WarpOptions {
     )]
     pub start: i64,
     /// Write only these frames, by their numbers
-    #[arg(long, value_name = "A-B", requires = "frames", value_parser = parse_range, help_heading = "Time")]
+    #[arg(long, value_name = "A-B", requires = "frames", value_parser = parse_range, allow_hyphen_values = true, help_heading = "Time")]
     pub range: Option<(i64, i64)>,
     /// Frames a second of an animation; 24 if left out. Numbered files are the same at any rate
     #[arg(long, value_name = "N", requires = "frames", value_parser = parse_rate, allow_hyphen_values = true, help_heading = "Time")]
@@ -241,7 +241,7 @@ pub(crate) struct MorphOptions {
     )]
     pub start: i64,
     /// Write only these frames, by their numbers
-    #[arg(long, value_name = "A-B", value_parser = parse_range, help_heading = "Time")]
+    #[arg(long, value_name = "A-B", value_parser = parse_range, allow_hyphen_values = true, help_heading = "Time")]
     pub range: Option<(i64, i64)>,
     /// Frames a second of a film; 24 if left out
     #[arg(long, value_name = "N", value_parser = parse_rate, allow_hyphen_values = true, help_heading = "Time")]
