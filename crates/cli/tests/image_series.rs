@@ -133,11 +133,17 @@ fn files_that_a_recipe_reads_count() {
     let warp = [
         "warp", "a.png", "-r", "r.toml", "--frames", "3", "-o", "w.#.png",
     ];
+    folder.put("p.csv", "x,y\n1,2\n5,6\n");
+    let model = [
+        "warp", "p.csv", "-r", "r.toml", "--frames", "3", "-o", "p.#.csv",
+    ];
+    folder.run(&model).done();
     folder.run(&morph).done();
     folder.run(&warp).done();
     folder.put("b.json", "[[12, 10], [28, 13], [21, 19]]");
     folder.run(&morph).failed(2, &["no frame of these inputs"]);
     folder.run(&warp).failed(2, &["no frame of these inputs"]);
+    folder.run(&model).failed(2, &["no frame of these inputs"]);
 }
 
 /// What is cut off, empty, of another size or no picture is made again.
@@ -548,7 +554,7 @@ fn messages_name_what_the_user_wrote() {
             "landmark 0 and the border pin at (0%, 0%)",
         ),
         (["twice.json", "b.json"], "landmark 0 and landmark 2"),
-        (["few.json", "b.json"], "few.json"),
+        (["few.json", "b.json"], "3 points where few.json has 1"),
     ] {
         for fit in [&[][..], &["--fit", "contain"]] {
             let err = run(marks, fit).failed(1, &[says]).err;
@@ -557,6 +563,7 @@ fn messages_name_what_the_user_wrote() {
             }
         }
     }
+    run(["a.json", "b.json"], &["--method", "lines"]).failed(1, &["list its chains"]);
     run(["a.json", "b.json"], &["--method", "twist"]).failed(2, &["--method twist", "thin-plate"]);
     folder.put(
         "grid.toml",

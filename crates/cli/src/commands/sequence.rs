@@ -299,7 +299,23 @@ pub(super) fn warp_frames(job: &Job, run: &Run<'_>, frames: &Frames) -> Result<(
         .local(recipe.is_local());
     let document = model::read(&job.model, &read_options, options.allow_outside)?;
     series.refuse_inputs(&job.model, run, frames)?;
-    let record = Record::of(document.as_ref(), run, frames);
+    let last = Frame {
+        number: 0,
+        time: 1.0,
+    };
+    let last = at(run, &last, None)?;
+    // What a recipe reads is known when it is built.
+    match document.points() {
+        Points::Plane(rest) => {
+            model::build(&last.recipe, document.as_ref(), rest, &last.beside)?;
+        }
+        Points::Solid(rest) => {
+            model::build(&last.recipe, document.as_ref(), rest, &last.beside)?;
+        }
+    }
+    let beside = last.beside.fingerprints().into_iter();
+    let beside: Vec<String> = beside.map(|(_, print)| format!("{print:016x}")).collect();
+    let record = Record::of(document.as_ref(), run, frames).with("beside", json!(beside));
     let record_path = series.output.record();
     let known = record.check(&record_path, options.force, frames, &series.output)?;
     let around = match (&series.preview, document.points()) {

@@ -297,7 +297,12 @@ impl Named {
             let is_foreign = problem.path.ends_with(".kind")
                 || problem.hint.contains("file")
                 || problem.hint.contains('`');
-            if is_foreign || problem.hint.is_empty() {
+            if message.ends_with("has no line") {
+                format!(
+                    "{}: {message}; list its chains, or take another --method",
+                    self.files
+                )
+            } else if is_foreign || problem.hint.is_empty() {
                 format!("{}: {message}", self.files)
             } else {
                 format!("{}: {message}; {}", self.files, problem.hint)
