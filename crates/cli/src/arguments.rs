@@ -107,7 +107,8 @@ pub(crate) struct WarpOptions {
     pub rest: Option<PathBuf>,
     /// Write the recipe over time, from the model as it is to the full warp, as that many numbered files: OUT (and a preview or
     /// report) says where the number goes, as in out.%04d.obj or out.####.obj. Frames that exist are kept. An OUT that ends in
-    /// .glb, without such a place, becomes one file with an animation of morph targets
+    /// .glb, without such a place, becomes one file with an animation of morph targets; of an image .gif, .apng, .y4m and `-` (y4m)
+    /// become a film
     #[arg(
         long,
         value_name = "N",
