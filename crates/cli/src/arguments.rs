@@ -107,7 +107,8 @@ pub(crate) struct WarpOptions {
     pub rest: Option<PathBuf>,
     /// Write the recipe over time, from the model as it is to the full warp, as that many numbered files: OUT (and a preview or
     /// report) says where the number goes, as in out.%04d.obj or out.####.obj. Frames that exist are kept. An OUT that ends in
-    /// .glb, without such a place, becomes one file with an animation of morph targets
+    /// .glb, without such a place, becomes one file with an animation of morph targets; of an image .gif, .apng, .y4m and `-` (y4m)
+    /// become a film
     #[arg(
         long,
         value_name = "N",
@@ -126,7 +127,7 @@ pub(crate) struct WarpOptions {
     )]
     pub start: i64,
     /// Write only these frames, by their numbers
-    #[arg(long, value_name = "A-B", requires = "frames", value_parser = parse_range, help_heading = "Time")]
+    #[arg(long, value_name = "A-B", requires = "frames", value_parser = parse_range, allow_hyphen_values = true, help_heading = "Time")]
     pub range: Option<(i64, i64)>,
     /// Frames a second of an animation; 24 if left out. Numbered files are the same at any rate
     #[arg(long, value_name = "N", requires = "frames", value_parser = parse_rate, allow_hyphen_values = true, help_heading = "Time")]
@@ -241,7 +242,7 @@ pub(crate) struct MorphOptions {
     )]
     pub start: i64,
     /// Write only these frames, by their numbers
-    #[arg(long, value_name = "A-B", value_parser = parse_range, help_heading = "Time")]
+    #[arg(long, value_name = "A-B", value_parser = parse_range, allow_hyphen_values = true, help_heading = "Time")]
     pub range: Option<(i64, i64)>,
     /// Frames a second of a film; 24 if left out
     #[arg(long, value_name = "N", value_parser = parse_rate, allow_hyphen_values = true, help_heading = "Time")]

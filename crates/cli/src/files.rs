@@ -1,8 +1,42 @@
 //! Files in and out: read whole, written to a temporary file and renamed.
 
 use crate::error::{Failure, output};
+use anamorph_core::Fingerprint;
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Temporary files that a signal must not leave behind. Who makes one, or puts several in their places, holds this so long.
+static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn temporary() -> MutexGuard<'static, Vec<PathBuf>> {
+    TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends the process on Ctrl-C and its like, with the exit code 130 and without temporary files. Signals that the process was told to
+/// ignore, as by `nohup`, stay ignored.
+pub(crate) fn end_on_signals() {
+    // Where this cannot be, a signal ends the process as ever.
+    let _ = ctrlc::try_set_handler(|| {
+        let files = temporary();
+        for path in files.iter() {
+            let _ = std::fs::remove_file(path);
+        }
+        #[allow(
+            clippy::exit,
+            reason = "a signal ends the process, and no result may appear meanwhile"
+        )]
+        std::process::exit(130);
+    });
+}
+
+/// The fingerprint of bytes: FNV-1a.
+///
+/// *Source*: G. Fowler, L. C. Noll, K.-P. Vo, the FNV non-cryptographic hash.
+pub(crate) fn fingerprint(bytes: &[u8]) -> Fingerprint {
+    let step = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    Fingerprint(bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
+}
 
 /// Whether a path stands for a standard stream.
 pub(crate) fn is_stream(path: &Path) -> bool {
@@ -235,11 +269,14 @@ impl Pending {
         }
         // A link stays a link: what it leads to is replaced.
         let destination = std::fs::canonicalize(named).unwrap_or_else(|_| named.to_owned());
+        let mut known = temporary();
         let file = tempfile::Builder::new()
             .prefix(".anamorph-")
             .suffix(".part")
             .tempfile_in(folder_of(&destination))
             .map_err(|error| cannot_write(named, &error))?;
+        known.push(file.path().to_owned());
+        drop(known);
         Ok(Self {
             named: named.to_owned(),
             destination,
@@ -301,9 +338,13 @@ impl Pending {
 
 /// Puts all files in their places. If one cannot be, those that are new are taken away again.
 pub(crate) fn keep_all(files: impl IntoIterator<Item = Pending>) -> Result<(), Failure> {
+    let mut known = temporary();
     let mut new = Vec::new();
     for file in files {
-        match file.keep() {
+        let own = file.file.as_ref().map(|file| file.path().to_owned());
+        let kept = file.keep();
+        known.retain(|path| Some(path) != own.as_ref());
+        match kept {
             Ok(path) => new.extend(path),
             Err(failure) => {
                 for path in new {
@@ -329,6 +370,7 @@ fn set_permissions(file: &tempfile::NamedTempFile, replaced: &Path) -> std::io::
         return file.as_file().set_permissions(replaced.permissions());
     }
     // What the process's mask leaves of 0666 cannot be asked for without changing it; another new file tells.
+    let _known = temporary();
     let probe = tempfile::Builder::new()
         .prefix(".anamorph-")
         .permissions(std::fs::Permissions::from_mode(0o666))

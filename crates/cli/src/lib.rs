@@ -24,6 +24,11 @@ use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+/// Lets signals such as Ctrl-C end the process with the exit code 130, and without the temporary files of results.
+pub fn end_on_signals() {
+    files::end_on_signals();
+}
+
 /// Runs the command with the given arguments (the first is the program's name) and says how it ended.
 pub fn run<I, T>(arguments: I) -> ExitCode
 where

@@ -20,6 +20,8 @@ pub(crate) struct RecipeFiles {
     folder: PathBuf,
     allow_outside: bool,
     known: Mutex<BTreeMap<String, Read>>,
+    /// Fingerprints of the files that were read.
+    prints: Mutex<BTreeMap<String, u64>>,
 }
 
 impl RecipeFiles {
@@ -34,6 +36,7 @@ impl RecipeFiles {
             folder: folder.to_owned(),
             allow_outside,
             known: Mutex::default(),
+            prints: Mutex::default(),
         }
     }
 
@@ -46,7 +49,17 @@ impl RecipeFiles {
             folder: PathBuf::from("."),
             allow_outside: false,
             known: Mutex::new(known.collect()),
+            prints: Mutex::default(),
         }
+    }
+
+    /// The files that have been read, by name, with the fingerprints of their contents.
+    pub(crate) fn fingerprints(&self) -> Vec<(String, u64)> {
+        let prints = self.prints.lock().unwrap_or_else(PoisonError::into_inner);
+        prints
+            .iter()
+            .map(|(name, &print)| (name.clone(), print))
+            .collect()
     }
 
     /// Refuses to write to a file that the recipe has read.
@@ -90,6 +103,9 @@ impl RecipeFiles {
             Failure::Message(text) => text,
             _ => format!("cannot read {name}"),
         })?;
+        let mut prints = self.prints.lock().unwrap_or_else(PoisonError::into_inner);
+        prints.insert(name.to_owned(), files::fingerprint(&bytes).0);
+        drop(prints);
         parsed(name, bytes)
     }
 }

@@ -463,14 +463,15 @@ fn what_cannot_be_is_refused() {
     folder.put("a.exr", a.clone());
     folder.put("b.exr", a);
     folder.put("cut.exr", &exr(&blobs([60, 50], &[[20.0, 20.0]]))[..200]);
-    let grey = ImageFile::data(
+    let depth = ImageFile::data(
         &Raster::new(Window::new(0, 0, 60, 50).unwrap(), 1).unwrap(),
-        &["Y"],
+        &["Z"],
     )
     .unwrap();
     folder.put(
-        "grey.exr",
-        grey.encode(ImageFormat::OpenExr, &EncodeOptions::default())
+        "depth.exr",
+        depth
+            .encode(ImageFormat::OpenExr, &EncodeOptions::default())
             .unwrap()
             .0,
     );
@@ -532,7 +533,15 @@ fn what_cannot_be_is_refused() {
         ),
         (
             vec![
-                "a.exr", "grey.exr", "-l", pair[0], pair[1], "--at", "0.5", "-o", "o.png",
+                "a.exr",
+                "depth.exr",
+                "-l",
+                pair[0],
+                pair[1],
+                "--at",
+                "0.5",
+                "-o",
+                "o.png",
             ],
             1,
             "channels",
@@ -595,7 +604,7 @@ fn what_cannot_be_is_refused() {
                 "a.exr", "b.exr", "-l", pair[0], pair[1], "--method", "twist", "--at", "0.5", "-o",
                 "o.png",
             ],
-            1,
+            2,
             "twist",
         ),
         (with(["a.json", "three.json"]), 1, "3 points"),

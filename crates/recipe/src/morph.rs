@@ -87,6 +87,8 @@ enum Nodes {
     Places(Vec<Place>),
 }
 
+/// Nodes are at least so far apart along a row or column, in pixels.
+const LEAST_GAP: f64 = 1e-6;
 /// Most nodes of a grid in a row or column.
 const MOST_LINES: usize = 1024;
 
@@ -150,7 +152,41 @@ impl GridParameters {
                 ConstructError::new(key, message).with_hint("list them row by row from the top")
             );
         }
+        self.check_order(key, &nodes)?;
         Ok(nodes)
+    }
+
+    /// Refuses a grid that is folded: the node is named as the recipe lists it.
+    fn check_order<S: Space>(&self, key: &'static str, nodes: &[S]) -> Result<(), ConstructError> {
+        let listed = match key {
+            "source" => &self.source,
+            _ => &self.target,
+        };
+        for (i, node) in nodes.iter().enumerate() {
+            let (column, row) = (i % self.columns, i / self.columns);
+            let left = column
+                .checked_sub(1)
+                .map(|_| (i - 1, 0, "x", "to its left"));
+            let above = row
+                .checked_sub(1)
+                .map(|_| (i - self.columns, 1, "y", "above it"));
+            for (other, axis, name, where_) in left.into_iter().chain(above) {
+                let (own, before) = (node.component(axis), nodes[other].component(axis));
+                if own - before >= LEAST_GAP {
+                    continue;
+                }
+                let path = match listed {
+                    Some(Nodes::Places(_)) => format!("{key}.{i}"),
+                    _ => key.to_owned(),
+                };
+                let message = format!(
+                    "the grid folds: the node in column {column}, row {row} (counted from 0) has {name} = {own}, and the one {where_} has {before}"
+                );
+                let hint = "x has to grow along each row, and y down each column; move one of them";
+                return Err(ConstructError::new(path, message).with_hint(hint));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -78,6 +78,11 @@ impl Frames {
         self.fps.unwrap_or(RATE)
     }
 
+    /// Frames a second, where they are asked for.
+    pub(crate) fn asked_rate(&self) -> Option<f64> {
+        self.fps
+    }
+
     /// How many frames the recipe's whole time has.
     pub(crate) fn count(&self) -> usize {
         self.count
@@ -122,6 +127,9 @@ impl Frames {
     }
 }
 
+/// Digits of a frame's number at most.
+const MOST_DIGITS: usize = 20;
+
 /// A file name with a place for the frame's number: `%04d`, `%d` or a run of `#`.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Pattern {
@@ -133,7 +141,7 @@ pub(crate) struct Pattern {
 impl Pattern {
     /// The pattern in a path's file name; `what` is the option that the path was given by.
     pub(crate) fn of(path: &Path, what: &str) -> Result<Self, Failure> {
-        Self::find(path).ok_or_else(|| {
+        Self::find(path)?.ok_or_else(|| {
             let or = if what == "--output" {
                 "; or name a .glb, for one file with an animation"
             } else {
@@ -147,14 +155,57 @@ impl Pattern {
     }
 
     /// The pattern in a path's file name, if there is one.
-    pub(crate) fn find(path: &Path) -> Option<Self> {
-        let name = path.file_name()?.to_string_lossy();
-        let (from, to, digits) = Self::signs(&name)?;
+    ///
+    /// # Errors
+    /// Two places for numbers, more digits than numbers have, and a `%` before something else than a whole number.
+    pub(crate) fn find(path: &Path) -> Result<Option<Self>, Failure> {
+        let Some(name) = path.file_name().map(|name| name.to_string_lossy()) else {
+            return Ok(None);
+        };
+        let wrong = |what: String| Err(Failure::usage(format!("{}: {what}", path.display())));
+        let Some((from, to, digits)) = Self::signs(&name) else {
+            return match Self::foreign_sign(&name) {
+                Some(sign) => wrong(format!(
+                    "`{sign}` is no place for a frame's number; write %04d or ####"
+                )),
+                None => Ok(None),
+            };
+        };
+        if digits > MOST_DIGITS {
+            return wrong(format!(
+                "`{}` asks for {digits} digits, and a number has {MOST_DIGITS} at most; write %04d",
+                &name[from..to]
+            ));
+        }
+        for rest in [&name[..from], &name[to..]] {
+            if let Some((second, end, _)) = Self::signs(rest) {
+                return wrong(format!(
+                    "`{}` and `{}` are two places for the frame's number; leave one of them",
+                    &name[from..to],
+                    &rest[second..end]
+                ));
+            }
+        }
         let folder = path.with_file_name("");
-        Some(Self {
+        Ok(Some(Self {
             before: format!("{}{}", folder.display(), &name[..from]),
             digits,
             after: name[to..].to_owned(),
+        }))
+    }
+
+    /// A place for something else than a whole number, such as `%s`, `%4.1f` or `%-4d`.
+    fn foreign_sign(name: &str) -> Option<&str> {
+        let mut signs = name.match_indices('%').map(|(at, _)| at);
+        signs.find_map(|at| {
+            let rest = &name[at + 1..];
+            let before = rest.find(|c: char| !(c.is_ascii_digit() || "-+.".contains(c)))?;
+            let mut letters = rest[before..].chars();
+            let letter = letters.next()?;
+            // A word may follow a percentage, as in 50%off.png, and an extension, as in 50%.png.
+            let ends = letters.next().is_none_or(|c| !c.is_alphanumeric());
+            (ends && &rest[..before] != "." && "diouxXeEfgGsc".contains(letter))
+                .then(|| &name[at..=at + 1 + before])
         })
     }
 
@@ -204,7 +255,10 @@ impl Pattern {
             let rest = &name[from + 1..];
             let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
             if rest[digits.len()..].starts_with('d') {
-                let width = digits.parse().unwrap_or(1_usize).clamp(1, 20);
+                let width = match digits.as_str() {
+                    "" => 1,
+                    digits => digits.parse().unwrap_or(usize::MAX).max(1),
+                };
                 return Some((from, from + digits.len() + 2, width));
             }
             start = from + 1;
@@ -231,12 +285,12 @@ impl Pattern {
     }
 }
 
-/// Refuses options that do not fit together with frames.
-pub(crate) fn check(options: &WarpOptions) -> Result<(), Failure> {
+/// Refuses options that do not fit together with frames. Images can be a film on standard output.
+pub(crate) fn check(options: &WarpOptions, of_image: bool) -> Result<(), Failure> {
     if options.models.len() > 1 {
         return Err(Failure::usage("--frames takes one model"));
     }
-    if files::is_stream(&options.output) {
+    if files::is_stream(&options.output) && !of_image {
         return Err(Failure::usage(
             "--frames writes files; name them, as in out.%04d.obj",
         ));
@@ -249,10 +303,15 @@ pub(crate) fn check(options: &WarpOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Says what a run left as it was.
-pub(crate) fn kept(count: usize) {
+/// Says what a run left as it was, and what of that which was there it made again.
+pub(crate) fn kept(count: usize, again: usize) {
     if count > 0 {
         say!("  {count} frames exist and are kept; --force writes them anew");
+    }
+    if again > 0 {
+        say!(
+            "  note: {again} frames were there, but damaged or of another size; they are made again"
+        );
     }
 }
 
@@ -271,7 +330,21 @@ mod tests {
         assert_eq!(name("a/b%d.ply", 12), "a/b12.ply");
         assert_eq!(name("100%_##.ply", 123), "100%_123.ply");
         assert_eq!(name("100%.%02d.ply", -3), "100%.-03.ply");
-        for wrong in ["out.obj", "50%.obj", "a#/out.obj"] {
+        for plain in ["50%.obj", "out.png", "50%off.png", "100% done.png"] {
+            assert_eq!(Pattern::find(Path::new(plain)).unwrap(), None, "{plain}");
+        }
+        for wrong in [
+            "out.obj",
+            "50%.obj",
+            "a#/out.obj",
+            "x.%0999d.png",
+            "x.%99999999999999999999d.png",
+            "x.%04d.%04d.png",
+            "x.##.##.png",
+            "x.%s.png",
+            "x.%-4d.png",
+            "x.%4.1f.png",
+        ] {
             assert!(
                 Pattern::of(Path::new(wrong), "--output").is_err(),
                 "{wrong}"

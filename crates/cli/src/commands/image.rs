@@ -5,6 +5,7 @@
 //! pixel from its corner. Percentages refer to the display window.
 
 use super::image_maps::{motion, read_stmap, stmap};
+use super::image_report::{report, summary};
 use super::jobs::Job;
 use super::panels::Panels;
 use super::promises::fold;
@@ -20,16 +21,15 @@ use anamorph_core::{
     Affine, Bounds, Deformation, Domain, Facts, Inverse, Plane, Site, Stack, Unmapped,
     map_all_parallel,
 };
-use anamorph_io::Lost;
 use anamorph_io::images::{
-    Channel, EncodeOptions, ImageFile, ImageFormat, ImageLayer, ImageLimits,
+    Channel, ChannelKind, EncodeOptions, ImageFile, ImageFormat, ImageLayer, ImageLimits,
+    SampleType,
 };
 use anamorph_raster::{
-    Bound, Edge, Filter, Hierarchy, HierarchyReport, PixelMap, Raster, RasterError, SplatOptions,
-    Window, hierarchical_map, resample, splat,
+    Edge, Filter, Hierarchy, HierarchyReport, PixelMap, Raster, RasterError, SplatOptions, Window,
+    hierarchical_map, resample, splat,
 };
 use anamorph_recipe::BuiltRecipe;
-use serde_json::{Value, json};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -51,7 +51,7 @@ pub(super) fn is_image(path: &Path) -> bool {
 }
 
 /// The format of images that a name asks for.
-fn named_format(path: &Path) -> Option<ImageFormat> {
+pub(super) fn named_format(path: &Path) -> Option<ImageFormat> {
     let extension = path.extension().and_then(|e| e.to_str())?;
     ImageFormat::of_extension(extension)
 }
@@ -205,10 +205,13 @@ fn build(run: &Run<'_>, points: &[Plane]) -> Result<BuiltRecipe<Plane>, Failure>
         .map_err(Failure::new)
 }
 
+/// Coverage from which on a pixel counts as covered; filters round.
+const COVERED: f32 = 1.0 - 1e-5;
+
 /// What the options say about drawing.
-struct Drawing<'a> {
-    options: &'a ImageOptions,
-    filter: Filter,
+pub(super) struct Drawing<'a> {
+    pub(super) options: &'a ImageOptions,
+    pub(super) filter: Filter,
     max_error: f64,
 }
 
@@ -231,7 +234,7 @@ impl<'a> Drawing<'a> {
         })
     }
 
-    fn is_forward(&self) -> bool {
+    pub(super) fn is_forward(&self) -> bool {
         self.options.mapping == Some(MappingName::Forward)
     }
 
@@ -336,17 +339,103 @@ fn target(
 
 /// How many pixels of the result have no place, or several.
 #[derive(Default)]
-struct Counts {
-    pixels: usize,
-    lost: usize,
-    folded: usize,
+pub(super) struct Counts {
+    pub(super) pixels: usize,
+    pub(super) lost: usize,
+    pub(super) folded: usize,
+}
+
+/// What shows of that which lies outside of an image without alpha.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Outside {
+    /// Nothing.
+    Unseen,
+    /// It is transparent, by an alpha channel that the result has got.
+    Alpha,
+    /// It is black, because the format holds no alpha.
+    Black,
 }
 
 /// All layers drawn, and the maps that they were drawn through.
-struct Drawn {
-    counts: Counts,
-    maps: Vec<(PixelMap, Option<HierarchyReport>)>,
-    edge: Edge,
+pub(super) struct Drawn {
+    pub(super) counts: Counts,
+    pub(super) maps: Vec<(PixelMap, Option<HierarchyReport>)>,
+    pub(super) edge: Edge,
+    pub(super) outside: Outside,
+}
+
+/// The channels of a layer that are drawn.
+fn mixed(layer: &ImageLayer) -> Vec<&str> {
+    let mixed = |c: &&Channel| c.sample() != SampleType::Integer32;
+    let mixed = layer.channels().iter().filter(mixed);
+    mixed.map(Channel::name).collect()
+}
+
+/// The image with other channels in a layer.
+fn rearrange(image: &mut ImageFile, layer: usize, names: &[&str]) -> Result<(), Failure> {
+    let rest = image.without_pixels();
+    let whole = std::mem::replace(image, rest);
+    *image = whole
+        .with_channels(layer, names)
+        .map_err(|error| Failure::new(error.to_string()))?;
+    Ok(())
+}
+
+/// Gives layers of colours coverage where what is outside is asked to be transparent; says which, with the channels they had.
+fn cover(
+    image: &mut ImageFile,
+    drawing: &Drawing<'_>,
+    edges: &[Edge],
+) -> Result<Vec<(usize, Vec<String>)>, Failure> {
+    let asked = drawing.options.grow || drawing.options.pixels.edge.is_some();
+    let mut given = Vec::new();
+    for (number, edge) in edges.iter().enumerate() {
+        let layer = &image.layers()[number];
+        let is_colour = |c: &Channel| c.kind() == ChannelKind::Colour && !c.name().contains('.');
+        if !asked
+            || *edge != Edge::Transparent
+            || layer.has_alpha()
+            || !layer.channels().iter().any(is_colour)
+        {
+            continue;
+        }
+        let own: Vec<String> = mixed(layer).into_iter().map(str::to_owned).collect();
+        let mut names: Vec<&str> = own.iter().map(String::as_str).chain(["A"]).collect();
+        if image.format() == ImageFormat::OpenExr {
+            names.sort_unstable();
+        }
+        rearrange(image, number, &names)?;
+        given.push((number, own));
+    }
+    Ok(given)
+}
+
+/// Takes coverage back where nothing outside is seen, or where the format cannot hold it.
+fn uncover(
+    image: &mut ImageFile,
+    given: Vec<(usize, Vec<String>)>,
+    format: ImageFormat,
+) -> Result<Outside, Failure> {
+    let mut outside = Outside::Unseen;
+    for (number, own) in given {
+        let layer = &image.layers()[number];
+        let alpha = mixed(layer).iter().position(|name| *name == "A");
+        let (Some(raster), Some(alpha)) = (&layer.raster, alpha) else {
+            continue;
+        };
+        let pixels = raster.samples().chunks_exact(raster.channels());
+        let seen = pixels.into_iter().any(|pixel| pixel[alpha] < COVERED);
+        if seen && format != ImageFormat::Jpeg {
+            outside = Outside::Alpha;
+            continue;
+        }
+        if seen {
+            outside = Outside::Black;
+        }
+        let own: Vec<&str> = own.iter().map(String::as_str).collect();
+        rearrange(image, number, &own)?;
+    }
+    Ok(outside)
 }
 
 fn draw(
@@ -354,12 +443,14 @@ fn draw(
     ways: &Ways,
     drawing: &Drawing<'_>,
     given: Option<PixelMap>,
+    format: ImageFormat,
 ) -> Result<Drawn, Failure> {
     let given_window = given.as_ref().map(PixelMap::window);
     let mut drawn = Drawn {
         counts: Counts::default(),
         maps: given.map(|map| (map, None)).into_iter().collect(),
         edge: Edge::Clamp,
+        outside: Outside::Unseen,
     };
     let display = image.display();
     let mut targets = Vec::new();
@@ -371,6 +462,8 @@ fn draw(
         };
         targets.push((window, drawing.edge(layer, display)?));
     }
+    let edges: Vec<Edge> = targets.iter().map(|(_, edge)| *edge).collect();
+    let covered = cover(image, drawing, &edges)?;
     for (layer, (window, edge)) in image.layers_mut().iter_mut().zip(targets) {
         drawn.edge = edge;
         if drawing.is_forward() {
@@ -405,6 +498,7 @@ fn draw(
             }
         }
     }
+    drawn.outside = uncover(image, covered, format)?;
     Ok(drawn)
 }
 
@@ -526,6 +620,85 @@ pub(super) fn warp(job: &Job, run: &Run<'_>, bytes: &[u8]) -> Result<(), Failure
     warp_image(job, run, image)
 }
 
+/// An image after its warp, and what has been found out on the way.
+struct Warped {
+    built: BuiltRecipe<Plane>,
+    ways: Ways,
+    inverted: bool,
+    /// Points of the display window, and its size.
+    points: Vec<Plane>,
+    size: f64,
+    drawn: Drawn,
+}
+
+/// Draws an image as the recipe has it, for a format.
+fn warped(
+    name: &str,
+    run: &Run<'_>,
+    image: &mut ImageFile,
+    drawing: &Drawing<'_>,
+    format: ImageFormat,
+) -> Result<Warped, Failure> {
+    let options = run.options;
+    let wrong = |error: &dyn core::fmt::Display| Failure::new(format!("{name}: {error}"));
+    let display = image.display();
+    let points = lattice(display);
+    let size = model::size(&points);
+    let built = build(run, &points)?;
+    if built.stack().domain() == Domain::Model {
+        return Err(wrong(
+            &"the recipe reads attributes of a model's points, which pixels do not have; leave them out",
+        ));
+    }
+    let inverted = run.recipe.is_inverse() != options.invert;
+    let ways = Ways::new(&built, inverted, size);
+    let given = options.image.from_stmap.as_deref();
+    let given = given.map(|path| read_stmap(path, display)).transpose()?;
+    let (given, shown) = given.unzip();
+    let drawn = draw(image, &ways, drawing, given, format)?;
+    if let Some(shown) = shown {
+        // The picture is where the map is.
+        image.set_display(shown).map_err(|error| wrong(&error))?;
+    }
+    Ok(Warped {
+        built,
+        ways,
+        inverted,
+        points,
+        size,
+        drawn,
+    })
+}
+
+/// The fingerprints of all files that the recipe and the options name beside the image.
+pub(super) fn fingerprints(run: &Run<'_>, image: &ImageFile) -> Result<Vec<String>, Failure> {
+    // What a recipe reads is known when it is built.
+    build(run, &lattice(image.display()))?;
+    let read = run.beside.fingerprints().into_iter();
+    let mut prints: Vec<u64> = read.map(|(_, print)| print).collect();
+    if let Some(map) = &run.options.image.from_stmap {
+        prints.push(files::fingerprint(&files::read(map)?).0);
+    }
+    Ok(prints.iter().map(|print| format!("{print:016x}")).collect())
+}
+
+/// An image as a frame of a film.
+pub(super) fn film_frame(
+    job: &Job,
+    run: &Run<'_>,
+    mut image: ImageFile,
+) -> Result<ImageFile, Failure> {
+    let drawing = Drawing::of(&run.options.image)?;
+    warped(
+        &files::shown(&job.model),
+        run,
+        &mut image,
+        &drawing,
+        ImageFormat::Png,
+    )?;
+    Ok(image)
+}
+
 /// Warps an image.
 pub(super) fn warp_image(job: &Job, run: &Run<'_>, mut image: ImageFile) -> Result<(), Failure> {
     let options = run.options;
@@ -539,28 +712,14 @@ pub(super) fn warp_image(job: &Job, run: &Run<'_>, mut image: ImageFile) -> Resu
     run.beside.refuse_replacing(maps.into_iter().flatten())?;
 
     let display = image.display();
-    let points = lattice(display);
-    let size = model::size(&points);
-    let built = build(run, &points)?;
-    if built.stack().domain() == Domain::Model {
-        return Err(wrong(
-            &"the recipe reads attributes of a model's points, which pixels do not have; leave them out",
-        ));
-    }
-    let inverted = run.recipe.is_inverse() != options.invert;
-    let ways = Ways::new(&built, inverted, size);
     let sources: Vec<Option<Window>> = image.layers().iter().map(ImageLayer::window).collect();
     let source = sources.into_iter().flatten().next().unwrap_or(display);
-    let given = options.image.from_stmap.as_deref();
-    let given = given.map(|path| read_stmap(path, display)).transpose()?;
     let before = job.preview.as_ref().map(|_| image.light()).transpose();
     let before = before.map_err(|error| wrong(&error))?;
-    let (given, shown) = given.unzip();
-    let drawn = draw(&mut image, &ways, &drawing, given)?;
-    if let Some(shown) = shown {
-        // The picture is where the map is.
-        image.set_display(shown).map_err(|error| wrong(&error))?;
-    }
+    let warped = warped(&name, run, &mut image, &drawing, format)?;
+    let Warped {
+        built, ways, drawn, ..
+    } = &warped;
 
     let mut files = Vec::new();
     let mut begin = |path: &PathBuf| -> Result<usize, Failure> {
@@ -601,11 +760,11 @@ pub(super) fn warp_image(job: &Job, run: &Run<'_>, mut image: ImageFile) -> Resu
         } else {
             display
         };
-        let png = preview(run, &built, &ways, inverted, shown, [before, &after])?;
+        let png = preview(run, built, ways, warped.inverted, shown, [before, &after])?;
         contents.push((begin(path)?, png));
     }
     if let Some(path) = &job.report {
-        let value = report(job, &built, &image, format, &drawing, &drawn, &lost);
+        let value = report(job, built, &image, format, &drawing, drawn, &lost);
         let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
         contents.push((begin(path)?, format!("{text}\n").into_bytes()));
     }
@@ -615,8 +774,8 @@ pub(super) fn warp_image(job: &Job, run: &Run<'_>, mut image: ImageFile) -> Resu
     }
     files::keep_all(files)?;
     if !options.quiet {
-        summary(job, run, &built, &image, format, &drawing, &drawn, &lost);
-        if let Some(fold) = fold(&built, &points, size) {
+        summary(job, run, built, &image, format, &drawing, drawn, &lost);
+        if let Some(fold) = fold(built, &warped.points, warped.size) {
             say!("  warning: {fold}; `anamorph check` says more");
         }
     }
@@ -626,162 +785,4 @@ pub(super) fn warp_image(job: &Job, run: &Run<'_>, mut image: ImageFile) -> Resu
 fn exr(image: &ImageFile) -> Result<Vec<u8>, Failure> {
     let encoded = image.encode(ImageFormat::OpenExr, &EncodeOptions::default());
     encoded.map(|(bytes, _)| bytes).map_err(Failure::new)
-}
-
-/// How good a map is, over all layers.
-fn quality(drawn: &Drawn) -> Option<(f64, f64, Bound, usize)> {
-    let reports = drawn.maps.iter().filter_map(|(_, report)| report.as_ref());
-    reports.fold(None, |all, report| {
-        let (most, measured, bound, evaluations) = all.unwrap_or((0.0, 0.0, Bound::Derived, 0));
-        let estimated = bound == Bound::Estimated || report.bound == Bound::Estimated;
-        Some((
-            report.max_error.max(most),
-            report.measured.max(measured),
-            if estimated {
-                Bound::Estimated
-            } else {
-                Bound::Derived
-            },
-            evaluations + report.evaluations,
-        ))
-    })
-}
-
-fn report(
-    job: &Job,
-    built: &BuiltRecipe<Plane>,
-    image: &ImageFile,
-    format: ImageFormat,
-    drawing: &Drawing<'_>,
-    drawn: &Drawn,
-    lost: &Lost,
-) -> Value {
-    let layers = image.layers().iter().map(|layer| {
-        let window = layer
-            .window()
-            .map(|w| [w.x(), w.y(), w.width() as i64, w.height() as i64]);
-        let channels: Vec<&str> = layer.channels().iter().map(Channel::name).collect();
-        json!({ "name": layer.name(), "channels": channels, "data_window": window })
-    });
-    let mut value = json!({
-        "image": files::shown(&job.model),
-        "output": files::shown_output(&job.output),
-        "format": format.name(),
-        "warps": built.parts.iter().map(anamorph_recipe::BuiltPart::title).collect::<Vec<_>>(),
-        "layers": layers.collect::<Vec<_>>(),
-        "mapping": if drawing.is_forward() { "forward" } else { "inverse" },
-        "pixels": drawn.counts.pixels,
-        "pixels_without_place": drawn.counts.lost,
-        "lost": lost.0,
-    });
-    if drawing.is_forward() {
-        value["pixels_covered_more_than_once"] = json!(drawn.counts.folded);
-    } else {
-        value["filter"] = json!(drawing.filter.name());
-        value["edge"] = json!(drawn.edge.name());
-    }
-    if let Some((most, measured, bound, evaluations)) = quality(drawn) {
-        let kind = match bound {
-            Bound::Derived => "bound",
-            Bound::Estimated => "estimate",
-        };
-        value["map"] = json!({
-            "max_error": most, "kind": kind, "measured": measured, "evaluations": evaluations,
-        });
-    }
-    value
-}
-
-#[allow(clippy::too_many_arguments)]
-fn summary(
-    job: &Job,
-    run: &Run<'_>,
-    built: &BuiltRecipe<Plane>,
-    image: &ImageFile,
-    format: ImageFormat,
-    drawing: &Drawing<'_>,
-    drawn: &Drawn,
-    lost: &Lost,
-) {
-    let short = files::short;
-    let titles: Vec<&str> = built
-        .parts
-        .iter()
-        .map(anamorph_recipe::BuiltPart::title)
-        .collect();
-    let by = if titles.is_empty() {
-        "no warp".to_owned()
-    } else {
-        titles.join(", ")
-    };
-    let window = image.layers().iter().find_map(ImageLayer::window);
-    let (width, height) = window.map_or((0, 0), |w| (w.width(), w.height()));
-    say!(
-        "{} -> {}: {by}; {width} × {height} pixels",
-        files::shown(&job.model),
-        files::shown_output(&job.output)
-    );
-    if drawing.is_forward() {
-        say!("  forward mapping");
-    } else {
-        say!(
-            "  filter {}, edge {}",
-            drawing.filter.name(),
-            drawn.edge.name()
-        );
-    }
-    match quality(drawn) {
-        Some((most, measured, bound, evaluations)) => {
-            let promise = match bound {
-                Bound::Derived => "a bound",
-                Bound::Estimated => "an estimate",
-            };
-            say!(
-                "  map within {} px ({promise}; largest error measured {} px), {evaluations} evaluations for {} pixels",
-                short(most),
-                short(measured),
-                drawn.counts.pixels
-            );
-        }
-        None if drawing.options.from_stmap.is_some() => say!("  map read from a file"),
-        None if !drawing.is_forward() => say!("  map evaluated at every pixel"),
-        None => {}
-    }
-    if drawn.counts.lost > 0 {
-        say!(
-            "  note: {} of {} pixels of the result are empty: nothing is moved there, or its place was not found",
-            drawn.counts.lost,
-            drawn.counts.pixels
-        );
-    }
-    if drawn.counts.folded > 0 {
-        say!(
-            "  note: {} pixels are covered more than once; the last in the image's order is seen",
-            drawn.counts.folded
-        );
-    }
-    for note in image.notes() {
-        say!("  note: {note}");
-    }
-    if run.options.frames.is_none() && run.recipe.track_count() > 0 {
-        say!("  note: the recipe's tracks do nothing; its warps are in full force");
-    }
-    if format != image.format() {
-        say!("  converted to {}", format.title());
-    }
-    if !lost.is_empty() {
-        say!("  warning: {} does not hold: {lost}", format.title());
-    }
-    for path in [&run.options.image.stmap, &run.options.image.motion_vectors]
-        .into_iter()
-        .flatten()
-    {
-        say!("  map {}", path.display());
-    }
-    if let Some(path) = &job.preview {
-        say!("  preview {}", path.display());
-    }
-    if let Some(path) = &job.report {
-        say!("  report {}", path.display());
-    }
 }

@@ -2,7 +2,7 @@
 //!
 //! Beside the frames lies a record of what they were made from. Frames of another recipe, model or count are never mixed with new ones.
 
-use super::frames::{self, Frames, Pattern};
+use super::frames::{self, Frame, Frames, Pattern};
 use super::jobs::Job;
 use super::warp::{Run, form, warp_document, whole};
 use crate::error::Failure;
@@ -10,6 +10,7 @@ use crate::files::{self, Pending};
 use crate::meshes::RecipeFiles;
 use crate::model::{self, ModelSpace};
 use anamorph_core::{Bounds, Fingerprint, Plane, Solid, Space, map_all_parallel};
+use anamorph_io::images::{ImageFile, ImageFormat, ImageLimits};
 use anamorph_io::{Document, Points, ReadOptions};
 use serde_json::{Value, json};
 use std::collections::HashSet;
@@ -20,6 +21,24 @@ use std::sync::Mutex;
 /// Whether a result is there and holds something.
 pub(super) fn is_finished(path: &Path) -> bool {
     path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0)
+}
+
+/// Whether a frame is there, whole, and a picture of that format and size.
+pub(super) fn is_picture(path: &Path, format: ImageFormat, size: Option<[usize; 2]>) -> bool {
+    let Ok(bytes) = std::fs::read(path) else {
+        return false;
+    };
+    // Decoders forgive an end that is missing.
+    let whole = match format {
+        ImageFormat::Png => bytes.ends_with(b"IEND\xaeB`\x82"),
+        ImageFormat::Jpeg => bytes.ends_with(b"\xff\xd9"),
+        _ => true,
+    };
+    let image = ImageFile::read(&bytes, ImageLimits::NONE);
+    image.is_ok_and(|image| {
+        let shown = [image.display().width(), image.display().height()];
+        whole && image.format() == format && size.is_none_or(|size| size == shown)
+    })
 }
 
 /// Refuses names by which any frame would replace what it is made from.
@@ -103,15 +122,15 @@ impl Record {
         }
         if force && let Some(other) = frames.others().map(|n| output.path(n)).find(|p| p.exists()) {
             return Err(Failure::usage(format!(
-                "{}: this frame is outside of --range, and of another recipe, model or number of frames; write the whole series anew, \
-                 without --range, or choose another name",
+                "{}: this frame is outside of --range, and of other inputs, options or number of frames; write the whole series \
+                 anew, without --range, or choose another name",
                 other.display()
             )));
         }
         let mut existing = frames.all().map(|frame| output.path(frame.number));
         match existing.find(|path| path.exists()) {
             Some(frame) if !force => Err(Failure::usage(format!(
-                "{}: this file exists, and is no frame of this recipe, model and number of frames ({} says what was made); \
+                "{}: this file exists, and is no frame of these inputs, options and number of frames ({} says what was made); \
                  --force makes them anew, or choose another name",
                 frame.display(),
                 path.display()
@@ -120,7 +139,22 @@ impl Record {
         }
     }
 
-    pub(super) fn write(&self, path: &Path) -> Result<(), Failure> {
+    /// Begins the series: frames of another making go before the record does, so that no run ever takes them for its own.
+    pub(super) fn begin(
+        &self,
+        path: &Path,
+        frames: &Frames,
+        output: &Pattern,
+    ) -> Result<(), Failure> {
+        let frames = frames.all().map(|frame| output.path(frame.number));
+        for frame in frames.filter(|path| path.is_file()) {
+            match std::fs::remove_file(&frame) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(Failure::written(&frame, &error));
+                }
+                _ => {}
+            }
+        }
         let mut file = Pending::create(path, true)?;
         let text = serde_json::to_string_pretty(&self.0).map_err(Failure::new)?;
         file.fill(|out| writeln!(out, "{text}"))?;
@@ -203,10 +237,11 @@ impl Series {
         run: &Run<'_>,
         frames: &Frames,
         around: Option<[Solid; 2]>,
+        is_done: &dyn Fn(&Path) -> bool,
         mut warp: impl FnMut(&Job, &Run<'_>) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let options = run.options;
-        let mut kept = 0;
+        let (mut kept, mut again) = (0, 0);
         for frame in frames.all() {
             let named = |pattern: &Option<Pattern>| pattern.as_ref().map(|p| p.path(frame.number));
             let job = Job {
@@ -215,28 +250,43 @@ impl Series {
                 report: named(&self.report),
                 preview: named(&self.preview),
             };
-            if !options.force && job.results().all(|(path, _)| is_finished(path)) {
-                kept += 1;
-                continue;
+            if !options.force {
+                let done = |(path, is_frame): (&PathBuf, bool)| {
+                    is_finished(path) && (!is_frame || is_done(path))
+                };
+                if job.results().all(done) {
+                    kept += 1;
+                    continue;
+                }
+                again += usize::from(job.output.exists() && !done((&job.output, true)));
             }
-            let run = Run {
-                recipe: run.recipe.at(frame.time).map_err(Failure::new)?,
-                beside: RecipeFiles::beside(options.recipe_path(), options.allow_outside),
-                options,
-                taken: Mutex::new(HashSet::new()),
-                replace: true,
-                rest: None,
-                around,
-                at_rest: frame.time == 0.0,
-            };
-            warp(&job, &run)?;
+            warp(&job, &at(run, &frame, around)?)?;
         }
         if !options.quiet {
-            frames::kept(kept);
+            frames::kept(kept, again);
             frames.say_length();
         }
         Ok(())
     }
+}
+
+/// The run at the time of a frame.
+pub(super) fn at<'a>(
+    run: &Run<'a>,
+    frame: &Frame,
+    around: Option<[Solid; 2]>,
+) -> Result<Run<'a>, Failure> {
+    let options = run.options;
+    Ok(Run {
+        recipe: run.recipe.at(frame.time).map_err(Failure::new)?,
+        beside: RecipeFiles::beside(options.recipe_path(), options.allow_outside),
+        options,
+        taken: Mutex::new(HashSet::new()),
+        replace: true,
+        rest: None,
+        around,
+        at_rest: frame.time == 0.0,
+    })
 }
 
 /// All frames of a range, the model read once.
@@ -249,7 +299,23 @@ pub(super) fn warp_frames(job: &Job, run: &Run<'_>, frames: &Frames) -> Result<(
         .local(recipe.is_local());
     let document = model::read(&job.model, &read_options, options.allow_outside)?;
     series.refuse_inputs(&job.model, run, frames)?;
-    let record = Record::of(document.as_ref(), run, frames);
+    let last = Frame {
+        number: 0,
+        time: 1.0,
+    };
+    let last = at(run, &last, None)?;
+    // What a recipe reads is known when it is built.
+    match document.points() {
+        Points::Plane(rest) => {
+            model::build(&last.recipe, document.as_ref(), rest, &last.beside)?;
+        }
+        Points::Solid(rest) => {
+            model::build(&last.recipe, document.as_ref(), rest, &last.beside)?;
+        }
+    }
+    let beside = last.beside.fingerprints().into_iter();
+    let beside: Vec<String> = beside.map(|(_, print)| format!("{print:016x}")).collect();
+    let record = Record::of(document.as_ref(), run, frames).with("beside", json!(beside));
     let record_path = series.output.record();
     let known = record.check(&record_path, options.force, frames, &series.output)?;
     let around = match (&series.preview, document.points()) {
@@ -258,9 +324,9 @@ pub(super) fn warp_frames(job: &Job, run: &Run<'_>, frames: &Frames) -> Result<(
         (_, Points::Solid(_)) => all_of_it::<Solid>(run, frames, document.as_ref())?,
     };
     if !known {
-        record.write(&record_path)?;
+        record.begin(&record_path, frames, &series.output)?;
     }
-    series.write(job, run, frames, around, |job, run| {
+    series.write(job, run, frames, around, &|_| true, |job, run| {
         let form = form(job, document.as_ref())?;
         match document.points() {
             Points::Plane(_) => warp_document::<Plane>(job, run, document.as_ref(), form),

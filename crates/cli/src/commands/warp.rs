@@ -31,11 +31,11 @@ use std::sync::{Mutex, PoisonError};
 
 pub(crate) fn run(options: &WarpOptions) -> Result<(), Failure> {
     let frames = Frames::of(options)?;
+    let of_image = options.models.iter().any(|model| image::is_image(model));
     if frames.is_some() {
-        frames::check(options)?;
+        frames::check(options, of_image)?;
     }
     let jobs = jobs(options)?;
-    let of_image = jobs.iter().any(|job| image::is_image(&job.model));
     if frames.is_some() && !of_image {
         image::refuse_options(options)?;
     }

@@ -19,6 +19,15 @@ pub(super) struct Chunks {
     pub(super) left: Vec<String>,
 }
 
+impl Chunks {
+    /// Leaves out a colour profile.
+    pub(super) fn drop_profile(&mut self) {
+        let all = [&[0; 8][..], &self.copied].concat();
+        let kept = chunks(&all).filter(|(name, _)| *name != b"iCCP");
+        self.copied = kept.flat_map(|(_, chunk)| chunk.to_vec()).collect();
+    }
+}
+
 /// A file's chunks: type and all bytes. Ends at the first that is cut off.
 fn chunks(bytes: &[u8]) -> impl Iterator<Item = (&[u8], &[u8])> {
     let mut rest = bytes.get(8..).unwrap_or_default();

@@ -1,6 +1,7 @@
 //! PNG, JPEG, TIFF and WebP: one layer of grey or RGB, with or without alpha, in codes of 8 or 16 bits or, in TIFF, 32-bit numbers.
 
 use super::chunks::{self, Chunks};
+use super::grey_numbers::{self, GreyNumbers};
 use super::{
     Channel, ChannelKind, EncodeOptions, ImageError, ImageFile, ImageFormat, ImageLayer,
     ImageLimits, Kept as AnyKept, SampleType,
@@ -19,6 +20,17 @@ pub(super) struct Kept {
     pub(super) profile: Option<Vec<u8>>,
     pub(super) exif: Option<Vec<u8>>,
     hidden: Option<Hidden>,
+}
+
+impl Kept {
+    /// As the picture becomes RGB: a profile of grey is not one of RGB.
+    pub(super) fn widen(&mut self) {
+        self.profile = None;
+        self.chunks.drop_profile();
+        for (_, codes) in self.hidden.iter_mut().flat_map(|hidden| &mut hidden.codes) {
+            *codes = [codes[0]; 3];
+        }
+    }
 }
 
 /// Colours of pixels that nothing is seen of. Premultiplied they are all the same; a pixel that stays where it was gets its own back.
@@ -42,13 +54,30 @@ fn foreign(format: ImageFormat) -> image::ImageFormat {
     }
 }
 
+/// What decoders say, for people: some print the insides of the program.
+fn plain(error: &dyn core::fmt::Display) -> String {
+    let text = error.to_string();
+    if text.contains("CRC") {
+        "a checksum does not agree with its bytes".to_owned()
+    } else if text.contains(['{', '[', '`']) || text.contains("::") {
+        "what it holds is not as the format says".to_owned()
+    } else {
+        text
+    }
+}
+
 /// An error of the decoders in our words.
 fn failed(format: ImageFormat, error: image::ImageError) -> ImageError {
     let format = format.title();
     match error {
         image::ImageError::Unsupported(error) => ImageError::Unsupported {
             format,
-            what: error.to_string(),
+            what: match error.kind() {
+                image::error::UnsupportedErrorKind::Color(_) => {
+                    "samples or colours of a kind that is not read".to_owned()
+                }
+                _ => plain(&error),
+            },
             mend: "save it as 8 or 16 bits of grey or RGB",
         },
         image::ImageError::Limits(error) => ImageError::Damaged {
@@ -57,7 +86,7 @@ fn failed(format: ImageFormat, error: image::ImageError) -> ImageError {
         },
         error => ImageError::Damaged {
             format,
-            what: error.to_string(),
+            what: plain(&error),
         },
     }
 }
@@ -77,6 +106,11 @@ pub(super) fn read(
         if let (Some(width), Some(height)) = (number(16), number(20)) {
             limits.check(width, height, 1)?;
         }
+    }
+    if format == ImageFormat::Tiff
+        && let Some(numbers) = grey_numbers::read(bytes, limits)?
+    {
+        return of_numbers(bytes, numbers);
     }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), foreign(format));
     let mut allowed = image::Limits::no_limits();
@@ -119,6 +153,29 @@ pub(super) fn read(
         layers: vec![layer],
         notes,
         kept: AnyKept::Codes(kept),
+    })
+}
+
+/// A picture of one linear number a pixel.
+fn of_numbers(bytes: &[u8], numbers: GreyNumbers) -> Result<ImageFile, ImageError> {
+    let window = Window::new(0, 0, numbers.width as usize, numbers.height as usize)?;
+    let layer = ImageLayer {
+        name: None,
+        channels: vec![Channel::new("Y", SampleType::Float32)],
+        raster: Some(Raster::from_samples(window, 1, numbers.samples)?),
+        identifiers: None,
+    };
+    let mut notes = notes(ImageFormat::Tiff, bytes, ExtendedColorType::L16);
+    notes.extend(numbers.note);
+    Ok(ImageFile {
+        format: ImageFormat::Tiff,
+        display: window,
+        layers: vec![layer],
+        notes,
+        kept: AnyKept::Codes(Kept {
+            profile: TiffDirectory::of(bytes).and_then(|directory| directory.profile()),
+            ..Kept::default()
+        }),
     })
 }
 
@@ -328,10 +385,9 @@ fn layout(format: ImageFormat, sample: SampleType, grey: bool, alpha: bool) -> L
         (ImageFormat::Jpeg | ImageFormat::WebP, _) | (_, SampleType::Code8) => SampleType::Code8,
         _ => SampleType::Code16,
     };
-    let float = sample == SampleType::Float32;
     Layout {
         sample,
-        widen: grey && format == ImageFormat::Tiff && (alpha || float),
+        widen: grey && format == ImageFormat::Tiff && alpha,
         alpha: alpha && format != ImageFormat::Jpeg,
     }
 }
@@ -388,6 +444,18 @@ pub(super) fn encode(
     }
     let (width, height) = sizes(format, raster.window())?;
     let (stored, channels) = stored(raster, colours, layer.has_alpha(), &layout, kept);
+    if let (Stored::Numbers(numbers), 1) = (&stored, channels) {
+        lost.add(kept.profile.is_some(), "the colour profile");
+        let mut out = Vec::new();
+        grey_numbers::write(Cursor::new(&mut out), (width, height), numbers).map_err(|error| {
+            ImageError::Cannot {
+                format: format.title(),
+                what: error.to_string(),
+                mend: "choose another format",
+            }
+        })?;
+        return Ok((out, lost));
+    }
     let colour = match (channels, layout.sample) {
         (1, SampleType::Code8) => ExtendedColorType::L8,
         (2, SampleType::Code8) => ExtendedColorType::La8,

@@ -102,6 +102,19 @@ pub(super) fn to_codes(
     );
     let mut drawn = Raster::new(window, sources.len())?;
     copy(raster, &mut drawn, &sources);
+    if place("A").is_some() {
+        let mut pixels = drawn.samples().chunks_exact(sources.len());
+        let alpha = sources.len() - 1;
+        let mut lit = false;
+        let empty = pixels.all(|pixel| {
+            lit |= pixel[..alpha].iter().any(|light| *light != 0.0);
+            pixel[alpha] == 0.0
+        });
+        lost.add(
+            empty && lit,
+            "the light of a picture whose alpha is 0 everywhere (it is empty; leave out the alpha channel, or write OpenEXR)",
+        );
+    }
     let of = |name: &&str| Channel::new(*name, SampleType::Float32);
     let layer = ImageLayer {
         name: None,

@@ -66,6 +66,16 @@ pub enum ImageError {
         /// The channels there are.
         channels: String,
     },
+    /// A channel that is asked for and can be made from no other.
+    #[error(
+        "the image has no channel {name}, only {channels}; give it one, or leave {name} out of the others"
+    )]
+    NoChannel {
+        /// The channel.
+        name: String,
+        /// The channels there are.
+        channels: String,
+    },
     /// A format cannot hold the picture.
     #[error("{format} cannot hold the picture: {what}; {mend}")]
     Cannot {

@@ -13,11 +13,13 @@
 //! *Source*: ISO/IEC 15948 (PNG); ITU-T T.81 (JPEG); Adobe, *TIFF 6.0*; RFC 9649 (WebP); Academy Software Foundation,
 //! *OpenEXR file layout*. Bytes are read and written by the crates `image` and `exr`.
 
+mod arrange;
 mod channel;
 mod chunks;
 mod codes;
 mod convert;
 mod error;
+mod grey_numbers;
 mod light;
 mod openexr;
 mod y4m;

@@ -29,6 +29,23 @@ impl Kept {
         self.0.attributes.display_window = bounds(display)?;
         Ok(())
     }
+    /// Changes the channels of a layer; those that stay keep what is said about them.
+    pub(super) fn set_channels(
+        &mut self,
+        layer: usize,
+        channels: &[Channel],
+    ) -> Result<(), ImageError> {
+        let Some(layer) = self.0.layer_data.get_mut(layer) else {
+            return Ok(());
+        };
+        let old = std::mem::take(&mut layer.channel_data.list);
+        let one = |channel: &Channel| {
+            let known = old.iter().find(|c| c.name.eq(channel.name()));
+            known.cloned().map_or_else(|| empty(channel), Ok)
+        };
+        layer.channel_data.list = channels.iter().map(one).collect::<Result<_, _>>()?;
+        Ok(())
+    }
     /// What packs the samples of a layer.
     pub(super) fn compression(&self, layer: usize) -> Option<String> {
         let layer = self.0.layer_data.get(layer)?;
@@ -391,6 +408,16 @@ fn cannot(error: &exr::error::Error) -> ImageError {
     }
 }
 
+/// A channel without its samples.
+fn empty(channel: &Channel) -> Result<AnyChannel<FlatSamples>, ImageError> {
+    let name = Text::new_or_none(channel.name()).ok_or_else(|| ImageError::Cannot {
+        format: ImageFormat::OpenExr.title(),
+        what: format!("{:?} cannot be the name of a channel", channel.name()),
+        mend: "use letters and points",
+    })?;
+    Ok(AnyChannel::new(name, FlatSamples::F32(Vec::new())))
+}
+
 /// A new file of one layer.
 pub(super) fn created(
     raster: &Raster,
@@ -411,14 +438,6 @@ pub(super) fn created(
         spread(Some(&mut sorted), to, gather(Some(raster), from));
     }
     channels.sort_by(|a, b| a.name().cmp(b.name()));
-    let empty = |channel: &Channel| {
-        let name = Text::new_or_none(channel.name()).ok_or_else(|| ImageError::Cannot {
-            format: ImageFormat::OpenExr.title(),
-            what: format!("{:?} cannot be the name of a channel", channel.name()),
-            mend: "use letters and points",
-        })?;
-        Ok(AnyChannel::new(name, FlatSamples::F32(Vec::new())))
-    };
     let list = channels
         .iter()
         .map(empty)

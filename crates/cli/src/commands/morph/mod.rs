@@ -3,12 +3,14 @@
 //! Each step of a chain has its features; a frame is drawn from the two images it lies between. Images and series are read when they are
 //! needed: three pictures and the frame are in memory, however long the film is.
 
-mod film;
+mod form;
 pub(crate) mod overlay;
 mod sources;
 mod steps;
 
+use super::film::{Output, Writing, Written};
 use super::frames::{Frame, Frames};
+use super::sequence::Record;
 use crate::arguments::{FitName, MorphOptions};
 use crate::error::{Failure, say};
 use crate::files::{self, Pending, short};
@@ -20,7 +22,7 @@ use anamorph_io::images::{EncodeOptions, ImageFile, ImageFormat};
 use anamorph_morph::images::{Accuracy, Drawing, Mixer};
 use anamorph_raster::{Edge, Filter, Hierarchy, Raster, Window};
 use anamorph_recipe::Recipe;
-use film::Output;
+use form::Form;
 use serde_json::{Value, json};
 use sources::{Image, Source};
 use std::path::PathBuf;
@@ -98,6 +100,9 @@ struct Morph<'a> {
     filter: Filter,
     /// The first picture of the first source: its form is that of the result.
     template: ImageFile,
+    /// The channels that all images are brought to, and what that changes, in words.
+    form: Form,
+    notes: Vec<String>,
     /// Pixels of each layer in the result, and what stands beyond.
     layers: Vec<Layer>,
 }
@@ -138,7 +143,7 @@ impl<'a> Morph<'a> {
             .map(Edge::by_name)
             .transpose();
         let edge = edge.map_err(|error| Failure::usage(format!("--edge: {error}")))?;
-        let output = Output::of(options)?;
+        let output = Output::of(&options.output, options.at.is_some())?;
         let source = |path: &PathBuf| Source::of(path, options.pixels.allow_large);
         let sources: Vec<Source> = options
             .images
@@ -147,11 +152,15 @@ impl<'a> Morph<'a> {
             .collect::<Result<_, _>>()?;
         let mut steps = steps::steps(options, sources.len())?;
         let frames = Self::frames(options, &sources)?;
-        output.check(options, frames.as_ref(), &inputs(options, &sources))?;
+        let writing = writing(options, frames.as_ref(), [0; 2]);
+        let report = options.report.as_ref();
+        output.check(&writing, report, &inputs(options, &sources))?;
 
         let first = sources[0].read(0)?;
         let frame = first.display();
         let mut lies = vec![Lie::of(frame, frame, None, &first.name)?];
+        let mut form = Form::of(&first);
+        let mut others = Vec::new();
         let mut open: Vec<bool> = (0..first.file.layers().len())
             .map(|i| first.is_open(i))
             .collect();
@@ -163,7 +172,7 @@ impl<'a> Morph<'a> {
             .collect();
         for source in &sources[1..] {
             let image = source.read(0)?;
-            image.check_like(&first)?;
+            form.join(&image)?;
             let lie = Lie::of(image.display(), frame, options.fit, &image.name)?;
             for (i, (open, window)) in open.iter_mut().zip(&mut windows).enumerate() {
                 *open |= image.is_open(i) || options.fit == Some(FitName::Contain);
@@ -178,7 +187,14 @@ impl<'a> Morph<'a> {
                 };
             }
             lies.push(lie);
+            others.push(Image {
+                file: image.file.without_pixels(),
+                name: image.name,
+            });
         }
+        let all = std::iter::once(&first).chain(&others);
+        let notes = all.filter_map(|image| form.changes(image)).collect();
+        let first = form.fit(first)?;
         for ((path, lie), source) in options.landmarks.iter().zip(&lies).zip(&sources) {
             steps::check_landmarks(path, lie, source.name())?;
         }
@@ -252,6 +268,8 @@ impl<'a> Morph<'a> {
             output,
             filter,
             template: first.file.without_pixels(),
+            form,
+            notes,
             layers,
         })
     }
@@ -294,9 +312,12 @@ impl<'a> Morph<'a> {
         }
         let mut known = Known::default();
         let mut lost = Lost::default();
+        let shown = self.template.display();
+        let size = [shown.width(), shown.height()];
         let written = output.write(
-            &self,
+            &writing(self.options, self.frames.as_ref(), size),
             &list,
+            &|| self.record(),
             &mut |frame| {
                 let image = self.draw(frame, &mut mixers, &mut known)?;
                 progress.add(1);
@@ -325,6 +346,9 @@ impl<'a> Morph<'a> {
         }
         if !self.options.quiet {
             self.summary(&list, written, &accuracy, &lost);
+            if let Some(frames) = &self.frames {
+                output.say_rate(frames);
+            }
             self.say_folds(&known);
         }
         Ok(())
@@ -368,8 +392,7 @@ impl<'a> Morph<'a> {
             {
                 continue;
             }
-            let image = self.sources[end].read(number)?;
-            self.check(end, &image)?;
+            let image = self.fitting(end, self.sources[end].read(number)?)?;
             known.images.push((end, number, image));
         }
         let find = |end: usize| known.images.iter().find(|(source, ..)| *source == end);
@@ -421,13 +444,9 @@ impl<'a> Morph<'a> {
         Ok(result)
     }
 
-    /// Refuses a picture of a series that is not like the first.
-    fn check(&self, end: usize, image: &Image) -> Result<(), Failure> {
-        let first = Image {
-            file: self.template.without_pixels(),
-            name: self.sources[0].name().to_owned(),
-        };
-        image.check_like(&first)?;
+    /// A picture in the form of all. Refuses one of a series that is not like the first.
+    fn fitting(&self, end: usize, image: Image) -> Result<Image, Failure> {
+        let image = self.form.fit(image)?;
         let lie = &self.lies[end];
         if image.display() != lie.display() {
             return Err(Failure::new(format!(
@@ -439,7 +458,7 @@ impl<'a> Morph<'a> {
                 lie.display().height()
             )));
         }
-        Ok(())
+        Ok(image)
     }
 
     /// Whether an image has the form of the result.
@@ -470,12 +489,39 @@ impl<'a> Morph<'a> {
         }
     }
 
-    /// How images are encoded.
-    fn encoding(&self) -> EncodeOptions {
-        EncodeOptions {
-            quality: self.options.pixels.quality.unwrap_or(95),
-            whole: false,
+    /// What tells these frames from others: what their inputs hold, and the options that they depend on.
+    fn record(&self) -> Result<Record, Failure> {
+        let options = self.options;
+        let print = |number: u64| format!("{number:016x}");
+        let mut images = Vec::new();
+        for source in &self.sources {
+            let mut pictures = Vec::new();
+            for path in source.paths() {
+                pictures.push(print(files::fingerprint(&files::read(path)?).0));
+            }
+            images.push(pictures);
         }
+        let steps = self.steps.iter().map(|step| {
+            let read = step.beside().fingerprints();
+            let read: Vec<String> = read.into_iter().map(|(_, number)| print(number)).collect();
+            json!([print(step.recipe().fingerprint()), read])
+        });
+        let pixels = &options.pixels;
+        Ok(Record(json!({
+            "anamorph": "frames",
+            "images": images,
+            "recipes": steps.collect::<Vec<_>>(),
+            "drawing": [
+                pixels.filter,
+                pixels.edge,
+                pixels.max_error,
+                pixels.quality,
+                options.fit.map(|fit| format!("{fit:?}")),
+                options.draw_features,
+            ],
+            "frames": self.frames.as_ref().map(Frames::count),
+            "first": self.frames.as_ref().map(Frames::first),
+        })))
     }
 
     fn report(&self, frames: &[Frame], accuracy: &Accuracy, lost: &Lost) -> Value {
@@ -506,7 +552,7 @@ impl<'a> Morph<'a> {
         })
     }
 
-    fn summary(&self, frames: &[Frame], written: film::Written, accuracy: &Accuracy, lost: &Lost) {
+    fn summary(&self, frames: &[Frame], written: Written, accuracy: &Accuracy, lost: &Lost) {
         let names: Vec<&str> = self.sources.iter().map(Source::name).collect();
         let display = self.template.display();
         say!(
@@ -518,7 +564,6 @@ impl<'a> Morph<'a> {
             display.height()
         );
         if let Some(all) = &self.frames {
-            let kept = written.kept;
             let rate = all.rate();
             say!(
                 "  {} frames{}",
@@ -533,7 +578,7 @@ impl<'a> Morph<'a> {
                     String::new()
                 }
             );
-            super::frames::kept(kept);
+            super::frames::kept(written.kept, written.again);
         }
         if accuracy.maps > 0 {
             let promise = if accuracy.estimated {
@@ -560,7 +605,7 @@ impl<'a> Morph<'a> {
                 "  note: what no image covers is black, because they have no alpha; --edge clamp goes on with their borders"
             );
         }
-        for note in self.template.notes() {
+        for note in self.notes.iter().chain(self.template.notes()) {
             say!("  note: {note}");
         }
         if !lost.is_empty() {
@@ -591,7 +636,20 @@ fn inputs(options: &MorphOptions, sources: &[Source]) -> Vec<PathBuf> {
     pictures.chain(others).cloned().collect()
 }
 
-/// The format of images that a path names.
-fn image_format(path: &std::path::Path) -> Option<ImageFormat> {
-    ImageFormat::of_extension(path.extension()?.to_str()?)
+/// How frames are written.
+fn writing<'a>(
+    options: &'a MorphOptions,
+    frames: Option<&'a Frames>,
+    size: [usize; 2],
+) -> Writing<'a> {
+    Writing {
+        path: &options.output,
+        force: options.force,
+        encoding: EncodeOptions {
+            quality: options.pixels.quality.unwrap_or(95),
+            whole: false,
+        },
+        size,
+        frames,
+    }
 }

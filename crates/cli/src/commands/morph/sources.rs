@@ -3,7 +3,7 @@
 use super::super::frames::Pattern;
 use crate::error::Failure;
 use crate::files;
-use anamorph_io::images::{Channel, ImageError, ImageFile, ImageLayer, ImageLimits, SampleType};
+use anamorph_io::images::{ImageError, ImageFile, ImageLimits};
 use anamorph_raster::Window;
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,12 @@ impl Source {
     pub(super) fn of(path: &Path, allow_large: bool) -> Result<Self, Failure> {
         let name = files::shown(path);
         let one = || vec![path.to_owned()];
-        let paths = match Pattern::find(path).filter(|_| !path.exists()) {
+        let pattern = if path.exists() {
+            None
+        } else {
+            Pattern::find(path)?
+        };
+        let paths = match pattern {
             None => one(),
             Some(pattern) => {
                 let numbers = pattern.existing().unwrap_or_default();
@@ -96,47 +101,6 @@ pub(super) struct Image {
 }
 
 impl Image {
-    /// The names of a layer's channels that are drawn, in order.
-    fn drawn(layer: &ImageLayer) -> Vec<&str> {
-        let drawn = |c: &&Channel| c.sample() != SampleType::Integer32;
-        layer
-            .channels()
-            .iter()
-            .filter(drawn)
-            .map(Channel::name)
-            .collect()
-    }
-
-    /// Refuses an image whose layers and channels are not those of the first.
-    pub(super) fn check_like(&self, first: &Self) -> Result<(), Failure> {
-        let (own, other) = (self.file.layers(), first.file.layers());
-        if own.len() != other.len() {
-            return Err(Failure::new(format!(
-                "{}: it has {} layers, and {} has {}; morph images with the same layers",
-                self.name,
-                own.len(),
-                first.name,
-                other.len()
-            )));
-        }
-        for (own, other) in own.iter().zip(other) {
-            let (mine, theirs) = (Self::drawn(own), Self::drawn(other));
-            if mine != theirs || own.name() != other.name() {
-                let layer = own
-                    .name()
-                    .map_or(String::new(), |n| format!(" in layer {n}"));
-                return Err(Failure::new(format!(
-                    "{}: it has the channels {}{layer}, and {} has {}; convert one of them, so that both have the same",
-                    self.name,
-                    mine.join(", "),
-                    first.name,
-                    theirs.join(", ")
-                )));
-            }
-        }
-        Ok(())
-    }
-
     /// Whether nothing may be beyond the pixels of a layer.
     pub(super) fn is_open(&self, layer: usize) -> bool {
         let layer = &self.file.layers()[layer];

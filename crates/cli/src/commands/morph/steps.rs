@@ -5,7 +5,7 @@ use crate::error::Failure;
 use crate::files::{self, short};
 use crate::meshes::RecipeFiles;
 use crate::model::ModelSpace;
-use anamorph_catalog::{Context, Value};
+use anamorph_catalog::{Context, Meshes, Value};
 use anamorph_core::glam::{DMat2, DVec2, dvec2};
 use anamorph_core::{Affine, Bounds, Deformation, Plane, Site, Stack};
 use anamorph_io::landmarks::Landmarks;
@@ -13,12 +13,19 @@ use anamorph_morph::grid::{CoordinateGrid, GridWarp, Spline};
 use anamorph_morph::images::Back;
 use anamorph_morph::places::{LinePath, between_lines, between_points};
 use anamorph_raster::Window;
-use anamorph_recipe::{MorphFeatures, MorphWay, Recipe};
+use anamorph_recipe::{MorphFeatures, MorphWay, Recipe, RecipeError};
 use serde_json::json;
 use std::path::Path;
 
 /// Features may stand outside of an image by this share of its size; some places of a face that is cut off do.
 const FAR: f64 = 1.0;
+
+/// Warps between landmarks that are joined to lines.
+const LINES: [&str; 3] = ["lines", "global-lines", "elements"];
+/// Warps between landmarks that are points.
+const POINTS: [&str; 5] = ["thin-plate", "multilevel", "radial", "points", "scodef"];
+/// Pieces of an edge between pins, where images lie within one another.
+const EDGE_STEPS: usize = 8;
 
 /// Features up to which all in-betweens are built before the first is drawn.
 const MANY: usize = 300;
@@ -50,6 +57,8 @@ pub(super) fn check_landmarks(path: &Path, lie: &Lie, image: &str) -> Result<(),
 pub(super) struct Step {
     recipe: Recipe,
     beside: RecipeFiles,
+    /// Where the features are landmarks, whose messages speak of no recipe.
+    landmarks: Option<Named>,
     /// The features, where they do not depend on the time.
     still: Option<MorphFeatures<Plane>>,
 }
@@ -133,7 +142,12 @@ impl Lie {
     }
 
     /// Refuses features that stand farther outside of the image than it is large: they are those of another.
-    fn refuse_far(&self, features: &[Vec<DVec2>], name: &str) -> Result<(), Failure> {
+    fn refuse_far(
+        &self,
+        features: &[Vec<DVec2>],
+        name: &str,
+        called: &dyn Fn(usize) -> String,
+    ) -> Result<(), Failure> {
         let bounds = self.bounds();
         let reach = (bounds.max - bounds.min) * FAR;
         let is_far =
@@ -143,8 +157,8 @@ impl Lie {
         match places.find(|(_, place)| is_far(place)) {
             None => Ok(()),
             Some((number, place)) => Err(Failure::new(format!(
-                "{name}: feature {number} stands at ({}, {}), far outside of its {} × {} pixels; take the features of this image, in its \
-                 pixels",
+                "{name}: {} stands at ({}, {}), far outside of its {} × {} pixels; take the features of this image, in its pixels",
+                called(number),
                 short(place.x),
                 short(place.y),
                 self.display.width(),
@@ -204,50 +218,146 @@ fn put_time(recipe: &mut Recipe, options: &MorphOptions) -> Result<(), Failure> 
     Ok(())
 }
 
-/// A recipe of the features of two files of landmarks.
-fn of_landmarks(source: &Path, target: &Path, method: &str) -> Value {
+/// A recipe of the features of two files of landmarks, and the pins of the border that come behind them.
+fn of_landmarks(
+    [source, target]: [&Path; 2],
+    method: &str,
+    fit: Option<FitName>,
+) -> (Value, Vec<[String; 2]>) {
     let file = |path: &Path| path.to_string_lossy().into_owned();
     let mut warp = json!({ "kind": method, "source": file(source), "target": file(target) });
-    if !matches!(method, "lines" | "global-lines" | "elements") {
-        // The border stays, or the image would come off its frame.
-        let places = ["0%", "50%", "100%"];
-        let all = places.iter().flat_map(|x| places.map(|y| [*x, y]));
-        let border = all.filter(|place| *place != ["50%", "50%"]);
-        let pins: Vec<Value> = border.map(|place| json!({ "from": place })).collect();
-        warp["point"] = Value::from(pins);
+    let mut pins = Vec::new();
+    if !LINES.contains(&method) {
+        // The border goes to the border, or images would come off it. Where one lies within the other's its edges move, and are held at more
+        // places, so that they stay straight on their way.
+        let steps = match fit {
+            Some(FitName::Contain | FitName::Cover) => EDGE_STEPS,
+            _ => 2,
+        };
+        let share = |step: usize| format!("{}%", 100.0 * step as f64 / steps as f64);
+        let inner = |step: usize| step != 0 && step != steps;
+        for x in 0..=steps {
+            for y in (0..=steps).filter(|&y| !(inner(x) && inner(y))) {
+                pins.push([share(x), share(y)]);
+            }
+        }
+        let points: Vec<Value> = pins.iter().map(|place| json!({ "from": place })).collect();
+        warp["point"] = Value::from(points);
     }
-    json!({ "version": 1, "warp": [warp] })
+    (json!({ "version": 1, "warp": [warp] }), pins)
+}
+
+/// Two files of landmarks, as messages name them.
+struct Named {
+    files: String,
+    /// How many landmarks the first has; pins come behind.
+    count: usize,
+    pins: Vec<[String; 2]>,
+}
+
+impl Named {
+    /// A feature by its number.
+    fn feature(&self, number: usize) -> String {
+        match number.checked_sub(self.count).map(|pin| self.pins.get(pin)) {
+            Some(Some([x, y])) => format!("the border pin at ({x}, {y})"),
+            _ => format!("landmark {number}"),
+        }
+    }
+
+    /// A message of a warp, its numbers of points replaced by what they are.
+    fn words(&self, message: &str) -> String {
+        let mut words: Vec<String> = message.split(' ').map(str::to_owned).collect();
+        let mut at = 0;
+        while at + 1 < words.len() {
+            let number = |word: &str| word.parse::<usize>().ok();
+            match (words[at].as_str(), number(&words[at + 1])) {
+                ("point" | "points" | "feature", Some(first)) => {
+                    words[at].clear();
+                    words[at + 1] = self.feature(first);
+                    let and = words.get(at + 2).is_some_and(|word| word == "and");
+                    if let Some(second) = words.get(at + 3).and_then(|word| number(word))
+                        && and
+                    {
+                        words[at + 3] = self.feature(second);
+                    }
+                    at += 2;
+                }
+                _ => at += 1,
+            }
+        }
+        words.retain(|word| !word.is_empty());
+        words.join(" ")
+    }
+
+    /// A problem of the recipe that stands for the landmarks.
+    fn failure(&self, error: &RecipeError) -> Failure {
+        let each = error.problems.iter().map(|problem| {
+            let message = self.words(&problem.message);
+            // Hints about keys of recipes and their files are of no use here.
+            let is_foreign = problem.path.ends_with(".kind")
+                || problem.hint.contains("file")
+                || problem.hint.contains('`');
+            if message.ends_with("has no line") {
+                format!(
+                    "{}: {message}; list its chains, or take another --method",
+                    self.files
+                )
+            } else if is_foreign || problem.hint.is_empty() {
+                format!("{}: {message}", self.files)
+            } else {
+                format!("{}: {message}; {}", self.files, problem.hint)
+            }
+        });
+        Failure::new(each.collect::<Vec<_>>().join("\n"))
+    }
 }
 
 /// The steps between so many images.
 pub(super) fn steps(options: &MorphOptions, images: usize) -> Result<Vec<Step>, Failure> {
     let needed = images - 1;
-    let step = |mut recipe: Recipe, beside| {
+    let step = |mut recipe: Recipe, beside, landmarks| {
         put_time(&mut recipe, options)?;
-        Ok(Step::new(recipe, beside))
+        Ok(Step {
+            landmarks,
+            ..Step::new(recipe, beside)
+        })
     };
     if !options.landmarks.is_empty() {
         if options.landmarks.len() != images {
             return Err(Failure::usage(format!(
-                "--landmarks: there are {} files for {images} images; give one for each, in the same order",
+                "-l/--landmarks: there are {} files for {images} images; give one for each, in the same order",
                 options.landmarks.len()
             )));
         }
         let method = options.method.as_deref().unwrap_or("thin-plate");
+        if !LINES.iter().chain(&POINTS).any(|known| *known == method) {
+            return Err(Failure::usage(format!(
+                "--method {method}: landmarks go by {} or {}",
+                POINTS.join(", "),
+                LINES.join(", ")
+            )));
+        }
         let pairs = options.landmarks.windows(2);
         return pairs
             .map(|pair| {
-                let text = of_landmarks(&pair[0], &pair[1], method).to_string();
+                let (value, pins) = of_landmarks([&pair[0], &pair[1]], method, options.fit);
                 let name = format!("{} and {}", pair[0].display(), pair[1].display());
-                let recipe = Recipe::from_json(&text, &name).map_err(Failure::new)?;
+                let recipe = Recipe::from_json(&value.to_string(), &name).map_err(Failure::new)?;
                 // The files are named on the command line, relative to where it runs.
-                step(recipe, RecipeFiles::beside(Path::new("-"), true))
+                let beside = RecipeFiles::beside(Path::new("-"), true);
+                let read = beside.mesh(&pair[0].to_string_lossy());
+                let named = Named {
+                    files: name,
+                    count: read.map_or(0, |mesh| mesh.points.len()),
+                    pins,
+                };
+                step(recipe, beside, Some(named))
             })
             .collect();
     }
     if options.recipe.len() != needed {
         return Err(Failure::usage(format!(
-            "--recipe: {} for {images} images; a chain needs one for each step, {needed} here: -r FIRST -r SECOND",
+            "-r/--recipe: {} for {images} images; a chain needs one for each step, {needed} here: -r FIRST -r SECOND",
             match options.recipe.len() {
                 1 => "there is one recipe".to_owned(),
                 count => format!("there are {count} recipes"),
@@ -260,7 +370,11 @@ pub(super) fn steps(options: &MorphOptions, images: usize) -> Result<Vec<Step>, 
         .map(|path| {
             let bytes = files::read(path)?;
             let recipe = Recipe::read(&bytes, &files::shown(path)).map_err(Failure::new)?;
-            step(recipe, RecipeFiles::beside(path, options.allow_outside))
+            step(
+                recipe,
+                RecipeFiles::beside(path, options.allow_outside),
+                None,
+            )
         })
         .collect()
 }
@@ -303,6 +417,7 @@ impl Step {
         Self {
             recipe,
             beside,
+            landmarks: None,
             still: None,
         }
     }
@@ -324,7 +439,18 @@ impl Step {
         let (source, target) = (context(lies[0]), context(lies[1]));
         self.recipe
             .morph_features(time, &Plane::registry(), &source, &target)
-            .map_err(Failure::new)
+            .map_err(|error| match &self.landmarks {
+                Some(named) => named.failure(&error),
+                None => Failure::new(error),
+            })
+    }
+
+    /// A feature as messages name it.
+    fn feature(&self, number: usize) -> String {
+        match &self.landmarks {
+            Some(named) => named.feature(number),
+            None => format!("feature {number}"),
+        }
     }
 
     /// Builds what does not depend on the time, and says what the features are.
@@ -338,12 +464,13 @@ impl Step {
             .into_iter()
             .zip(lies.into_iter().zip(names))
         {
-            lie.refuse_far(list, name)?;
+            lie.refuse_far(list, name, &|number| self.feature(number))?;
             let vanishes = |places: &Vec<DVec2>| matches!(places.as_slice(), [a, b] if a == b);
             if let Some(number) = list.iter().position(vanishes) {
                 let place = list[number][0];
                 return Err(Failure::new(format!(
-                    "{name}: feature {number} is a line without length, at ({}, {}); move one of its ends",
+                    "{name}: {} is a line without length, at ({}, {}); move one of its ends",
+                    self.feature(number),
                     short(place.x),
                     short(place.y)
                 )));
@@ -447,7 +574,14 @@ impl Step {
                         } else {
                             ""
                         };
-                        wrong(format!("feature {}: {}{meet}", error.path, error.message))
+                        let message = match &self.landmarks {
+                            Some(named) => named.words(&error.message),
+                            None if matches!(error.path.as_str(), "" | "source" | "target") => {
+                                error.message
+                            }
+                            None => format!("{}: {}", error.path, error.message),
+                        };
+                        wrong(format!("{message}{meet}"))
                     })?;
                     Ok(Way::Map(match fit {
                         None => Box::new(warp),

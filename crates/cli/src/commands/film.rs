@@ -1,17 +1,16 @@
-//! Where the frames of a morph go: numbered images, one image, or a film.
+//! Where frames of images go: numbered images, one image, or a film.
+//!
+//! A film is written frame by frame as they are drawn, to a file that appears when it is whole, or to standard output.
 
-use super::super::frames::{Frame, Frames, Pattern};
-use super::super::sequence::{Record, is_finished};
-use super::{Morph, image_format};
-use crate::arguments::MorphOptions;
-use crate::error::Failure;
+use super::frames::{Frame, Frames, Pattern};
+use super::sequence::{Record, is_picture};
+use crate::error::{Failure, say};
 use crate::files::{self, Pending};
 use anamorph_io::Lost;
-use anamorph_io::images::{ImageFile, ImageFormat, Y4m};
+use anamorph_io::images::{EncodeOptions, ImageFile, ImageFormat, Y4m};
 use anamorph_preview::{Animation, AnimationFormat, Picture};
 use anamorph_raster::Raster;
 use anamorph_raster::colour::Srgb8;
-use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -34,43 +33,82 @@ pub(super) enum Output {
 pub(super) struct Written {
     /// Frames that were there already.
     pub(super) kept: usize,
+    /// Frames that were there, but not whole, and were made again.
+    pub(super) again: usize,
     pub(super) is_film: bool,
 }
 
 /// Draws a frame.
 type Draw<'a> = dyn FnMut(&Frame) -> Result<ImageFile, Failure> + 'a;
 
+/// How frames are written.
+pub(super) struct Writing<'a> {
+    pub(super) path: &'a Path,
+    /// Whether results may replace what exists.
+    pub(super) force: bool,
+    pub(super) encoding: EncodeOptions,
+    /// Pixels that every frame shows.
+    pub(super) size: [usize; 2],
+    pub(super) frames: Option<&'a Frames>,
+}
+
+impl Writing<'_> {
+    fn rate(&self) -> f64 {
+        self.frames.map_or(24.0, Frames::rate)
+    }
+}
+
+/// The format of images that a path names.
+fn image_format(path: &Path) -> Option<ImageFormat> {
+    ImageFormat::of_extension(path.extension()?.to_str()?)
+}
+
 impl Output {
-    pub(super) fn of(options: &MorphOptions) -> Result<Self, Failure> {
-        let path = &options.output;
-        if options.at.is_some() {
+    /// The film that a path names, if it names one.
+    pub(super) fn film(path: &Path) -> Result<Option<Self>, Failure> {
+        if files::is_stream(path) {
+            return Ok(Some(Self::Y4m));
+        }
+        if Pattern::find(path)?.is_some() {
+            return Ok(None);
+        }
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        Ok(match extension.as_deref() {
+            Some("y4m") => Some(Self::Y4m),
+            Some("gif") => Some(Self::Animation(path.to_owned(), AnimationFormat::Gif)),
+            Some("apng") => Some(Self::Animation(path.to_owned(), AnimationFormat::Apng)),
+            _ => None,
+        })
+    }
+
+    /// What a path names; `single` where one image is asked for.
+    pub(super) fn of(path: &Path, single: bool) -> Result<Self, Failure> {
+        if single {
             let format = image_format(path).ok_or_else(|| {
                 Failure::usage(format!(
                     "{}: with --at the result is one image; name it .png, .jpg, .tif, .webp or .exr",
                     files::shown_output(path)
                 ))
             })?;
-            return Ok(Self::Single(path.clone(), format));
+            return Ok(Self::Single(path.to_owned(), format));
         }
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match (Pattern::find(path), extension.as_deref()) {
-            _ if files::is_stream(path) => Ok(Self::Y4m),
-            (Some(pattern), _) => match image_format(path) {
+        if let Some(film) = Self::film(path)? {
+            return Ok(film);
+        }
+        match Pattern::find(path)? {
+            Some(pattern) => match image_format(path) {
                 Some(format) => Ok(Self::Numbered(pattern, format)),
                 None => Err(Failure::usage(format!(
                     "{}: numbered frames are images; name them .png, .jpg, .tif, .webp or .exr",
                     path.display()
                 ))),
             },
-            (None, Some("y4m")) => Ok(Self::Y4m),
-            (None, Some("gif")) => Ok(Self::Animation(path.clone(), AnimationFormat::Gif)),
-            (None, Some("apng")) => Ok(Self::Animation(path.clone(), AnimationFormat::Apng)),
-            (None, Some(_)) if image_format(path).is_some() => Err(Failure::usage(format!(
+            None if image_format(path).is_some() => Err(Failure::usage(format!(
                 "{}: say where the frames' numbers go, as in out.%04d.png; or name a film .gif, .apng or .y4m; or ask for one image with \
                  --at 0.5",
                 path.display()
             ))),
-            _ => Err(Failure::usage(format!(
+            None => Err(Failure::usage(format!(
                 "{}: a morph is numbered images (out.%04d.png, .exr, …), a film (.gif, .apng, .y4m), or `-`, a y4m film on standard output",
                 path.display()
             ))),
@@ -80,8 +118,8 @@ impl Output {
     /// Refuses results that exist, that are inputs, or that could not be.
     pub(super) fn check(
         &self,
-        options: &MorphOptions,
-        frames: Option<&Frames>,
+        writing: &Writing<'_>,
+        report: Option<&PathBuf>,
         inputs: &[PathBuf],
     ) -> Result<(), Failure> {
         let known = |path: &Path| (!files::is_stream(path)).then(|| files::identity(path));
@@ -93,19 +131,19 @@ impl Output {
             ))),
             None => Ok(()),
         };
-        if let Some(path) = &options.report {
+        if let Some(path) = report {
             if files::is_stream(path) {
                 return Err(Failure::usage("--report: name a file"));
             }
             refuse(path)?;
-            if known(path) == known(&options.output) {
+            if known(path) == known(writing.path) {
                 return Err(Failure::usage(
                     "the result and its report need files of their own",
                 ));
             }
-            files::refuse_existing(path, options.force)?;
+            files::refuse_existing(path, writing.force)?;
         }
-        match (self, frames) {
+        match (self, writing.frames) {
             (Self::Numbered(pattern, _), Some(frames)) => {
                 for frame in frames.all() {
                     let path = pattern.path(frame.number);
@@ -113,68 +151,92 @@ impl Output {
                         refuse(&path)?;
                     }
                 }
-                let folder = files::folder_of(&options.output);
+                let folder = files::folder_of(writing.path);
                 if folder.is_dir() {
                     Ok(())
                 } else {
                     Err(Failure::new(format!(
                         "{}: its folder does not exist; make it first",
-                        options.output.display()
+                        writing.path.display()
                     )))
                 }
             }
             _ => {
-                refuse(&options.output)?;
-                files::refuse_existing(&options.output, options.force)
+                refuse(writing.path)?;
+                files::refuse_existing(writing.path, writing.force)
             }
         }
     }
 
-    /// Draws and writes all frames.
+    /// Says how a film's clock shows a rate that is asked for and not among its own.
+    pub(super) fn say_rate(&self, frames: &Frames) {
+        let Some(rate) = frames.asked_rate() else {
+            return;
+        };
+        if !matches!(self, Self::Animation(_, AnimationFormat::Gif)) {
+            return;
+        }
+        let hundredths = 100.0 / rate;
+        if hundredths < 2.0 {
+            say!(
+                "  note: GIF shows at most 50 frames a second, so the film is slower; .apng and .y4m hold {} a second",
+                files::short(rate)
+            );
+        } else if hundredths.fract() != 0.0 {
+            let (short, long) = (hundredths.floor(), hundredths.ceil());
+            say!(
+                "  note: GIF counts hundredths of a second, so frames are shown for {short} or {long} of them; together they last as long \
+                 as they should"
+            );
+        }
+    }
+
+    /// Draws and writes all frames; `record` says what numbered ones are made from.
     pub(super) fn write(
         &self,
-        morph: &Morph<'_>,
+        writing: &Writing<'_>,
         frames: &[Frame],
+        record: &dyn Fn() -> Result<Record, Failure>,
         draw: &mut Draw<'_>,
         lost: &mut Lost,
     ) -> Result<Written, Failure> {
-        let options = morph.options;
         let film = Written {
             kept: 0,
+            again: 0,
             is_film: true,
         };
         let encode = |image: &ImageFile, format| {
             image
-                .encode(format, &morph.encoding())
+                .encode(format, &writing.encoding)
                 .map_err(Failure::new)
         };
         match self {
             Self::Single(path, format) => {
                 let (bytes, more) = encode(&draw(&frames[0])?, *format)?;
                 *lost = more;
-                put(path, &bytes, options.force)?;
+                put(path, &bytes, writing.force)?;
                 Ok(Written {
                     kept: 0,
+                    again: 0,
                     is_film: false,
                 })
             }
             Self::Numbered(pattern, format) => {
-                let mut kept = 0;
-                let record = morph.record();
-                let path = pattern.record();
-                let all = morph.frames.as_ref();
-                let known = match all {
-                    Some(all) => record.check(&path, options.force, all, pattern)?,
-                    None => true,
-                };
-                if !known {
-                    record.write(&path)?;
+                let (mut kept, mut again) = (0, 0);
+                if let Some(all) = writing.frames {
+                    let (record, path) = (record()?, pattern.record());
+                    if !record.check(&path, writing.force, all, pattern)? {
+                        record.begin(&path, all, pattern)?;
+                    }
                 }
                 for frame in frames {
                     let path = pattern.path(frame.number);
-                    if !options.force && is_finished(&path) {
-                        kept += 1;
-                        continue;
+                    if !writing.force && path.exists() {
+                        if is_picture(&path, *format, Some(writing.size)) {
+                            kept += 1;
+                            continue;
+                        }
+                        again += 1;
                     }
                     let (bytes, more) = encode(&draw(frame)?, *format)?;
                     *lost = more;
@@ -182,14 +244,14 @@ impl Output {
                 }
                 Ok(Written {
                     kept,
+                    again,
                     is_film: false,
                 })
             }
             Self::Animation(path, format) => {
-                let rate = morph.frames.as_ref().map_or(24.0, Frames::rate);
-                fill(path, options.force, |out| {
-                    let mut film =
-                        Animation::new(out, *format, frames.len(), rate).map_err(Failure::new)?;
+                fill(path, writing.force, |out| {
+                    let mut film = Animation::new(out, *format, frames.len(), writing.rate())
+                        .map_err(Failure::new)?;
                     for frame in frames {
                         let image = draw(frame)?;
                         film.push(&seen(&image, lost)?).map_err(Failure::new)?;
@@ -199,10 +261,10 @@ impl Output {
                 Ok(film)
             }
             Self::Y4m => {
-                let rate = morph.frames.as_ref().map_or(24.0, Frames::rate);
-                fill(&options.output, options.force, |out| {
+                let rate = writing.rate();
+                fill(writing.path, writing.force, |out| {
                     let mut film = None;
-                    let failed = |error: std::io::Error| Failure::written(&options.output, &error);
+                    let failed = |error: std::io::Error| Failure::written(writing.path, &error);
                     let mut out = Some(out);
                     for frame in frames {
                         let image = draw(frame)?;
@@ -287,45 +349,4 @@ fn seen(image: &ImageFile, lost: &mut Lost) -> Result<Picture, Failure> {
     }
     let size = |side: usize| u32::try_from(side).map_err(Failure::new);
     Picture::from_rgb(&pixels, size(raster.width())?, size(raster.height())?).map_err(Failure::new)
-}
-
-impl Morph<'_> {
-    /// What tells these frames from others.
-    fn record(&self) -> Record {
-        let options = self.options;
-        let file = |path: &PathBuf| match std::fs::metadata(path) {
-            Ok(found) => {
-                let time = found.modified().ok();
-                let time = time.and_then(|t| t.duration_since(std::time::UNIX_EPOCH).ok());
-                json!([
-                    path.display().to_string(),
-                    found.len(),
-                    time.map(|t| t.as_micros() as u64)
-                ])
-            }
-            Err(_) => json!(path.display().to_string()),
-        };
-        let files: Vec<_> = super::inputs(options, &self.sources)
-            .iter()
-            .map(file)
-            .collect();
-        let recipes = self.steps.iter().map(|step| step.recipe().fingerprint());
-        let recipes: Vec<String> = recipes.map(|number| format!("{number:016x}")).collect();
-        let drawing = format!(
-            "{:?} {:?} {:?} {:?} {:?}",
-            options.pixels.filter,
-            options.pixels.edge,
-            options.pixels.max_error,
-            options.fit,
-            options.draw_features
-        );
-        Record(json!({
-            "anamorph": "frames",
-            "inputs": files,
-            "recipes": recipes,
-            "drawing": drawing,
-            "frames": self.frames.as_ref().map(Frames::count),
-            "first": self.frames.as_ref().map(Frames::first),
-        }))
-    }
 }
