@@ -4,6 +4,7 @@
 //! - [`Surface`]: a topology with positions; [`SurfacePoint`]: a place at a vertex, on an edge or in a face; normals.
 //! - [`SurfaceTree`]: the place of a surface that is nearest to a point of space, answered often.
 //! - [`decimation`]: a coarse mesh from a fine one, of the same topology.
+//! - [`planar`]: regions of the plane and their triangulations; [`compatible`]: one triangulation of two regions.
 //! - [`paths`]: sections by a plane, shortest paths along edges, straightest walks, downhill walks.
 //!
 //! Polygons are cut into triangles by the caller. Lengths are in the units of the positions, angles in radians. Results
@@ -39,10 +40,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod compatible;
 pub mod decimation;
 mod error;
 mod nearest;
 pub mod paths;
+pub mod planar;
 mod surface;
 #[cfg(test)]
 mod testing;

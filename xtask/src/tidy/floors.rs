@@ -68,9 +68,9 @@ pub const HOUSE: &[Row] = &[
     row("fields", 1, &[Free("core"), Optional("catalog")]),
     row("transforms", 1, &[Free("core"), Optional("catalog")]),
     row("curves", 1, &[Free("core")]),
-    row("meshing", 1, &[Free("core")]),
+    row("solvers", 0, &[]),
+    row("meshing", 1, &[Free("core"), Free("solvers")]),
     row("raster", 1, &[Free("core")]),
-    row("solvers", 1, &[]),
     row(
         "warps",
         2,
