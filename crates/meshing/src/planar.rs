@@ -192,7 +192,7 @@ impl Region {
                 let count = points.len();
                 return Err(RegionError::TooFew { ring, count });
             }
-            let wild = |p: &DVec2| !(p.abs().max_element() < 1e100);
+            let wild = |p: &DVec2| !p.is_finite() || p.abs().max_element() >= 1e100;
             if let Some(point) = points.iter().position(wild) {
                 return Err(RegionError::NotFinite { ring, point });
             }

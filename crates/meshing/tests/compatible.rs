@@ -78,11 +78,6 @@ fn solid(outer: Vec<DVec2>) -> Region {
 fn check(source: &Region, target: &Region) -> CompatiblePair {
     let pair = compatible(source, target, &[], &CompatibleOptions::default()).unwrap();
     let quality = pair.check().unwrap();
-    println!(
-        "{quality:?} rounds {} for {} points on rings",
-        pair.rounds,
-        source.len()
-    );
     // The rings are those given, bit for bit.
     for (own, region) in [(&pair.source, source), (&pair.target, target)] {
         for (ring, points) in pair.rings.iter().zip(region.rings()) {

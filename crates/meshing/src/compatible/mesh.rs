@@ -31,9 +31,12 @@ pub(super) fn smallest_angle(corners: [DVec2; 3]) -> f64 {
     angle(0).min(angle(1)).min(angle(2))
 }
 
+/// An edge with the triangles on either side and their corners opposite of it.
+pub(super) type InnerEdge = ([u32; 2], [(usize, u32); 2]);
+
 /// The triangles on either side of each inner edge, in a fixed order: edge, then triangle and the opposite corner of the side that has the edge in
 /// its own direction, then of the other.
-pub(super) fn inner_edges(triangles: &[[u32; 3]]) -> Vec<([u32; 2], [(usize, u32); 2])> {
+pub(super) fn inner_edges(triangles: &[[u32; 3]]) -> Vec<InnerEdge> {
     let mut open: HashMap<[u32; 2], (usize, u32)> = HashMap::new();
     let mut edges = Vec::new();
     for (number, triangle) in triangles.iter().enumerate() {
@@ -68,8 +71,8 @@ impl Mesh {
     pub(super) fn folded(&self) -> Vec<usize> {
         let folded = |triangle: &[u32; 3]| {
             let [a, b, c] = triangle.map(|i| self.target[i as usize]);
-            // Not positive, or not a number.
-            !(orientation(a, b, c) > 0.0)
+            let twice = orientation(a, b, c);
+            twice <= 0.0 || twice.is_nan()
         };
         let numbered = self.triangles.iter().enumerate();
         numbered

@@ -82,10 +82,14 @@ pub(super) fn harmonic(mesh: &mut Mesh, rings: &[usize]) -> Result<(), SolverErr
     for right in &mut right {
         factor.solve_in_place(right)?;
     }
-    for i in 0..free {
-        mesh.target[mesh.fixed + i] = DVec2::new(right[0][i], right[1][i]);
-        mesh.sizes[mesh.fixed + i] = right[2][i];
+    let [across, down, size] = right;
+    for (place, (x, y)) in mesh.target[mesh.fixed..]
+        .iter_mut()
+        .zip(across.into_iter().zip(down))
+    {
+        *place = DVec2::new(x, y);
     }
+    mesh.sizes[mesh.fixed..].copy_from_slice(&size);
     Ok(())
 }
 
