@@ -1,0 +1,379 @@
+//! Newton's search for the least energy.
+//!
+//! Steps solve `K d = −φ`, eq. (11). The projected search takes the true Hessian where its factor exists, which is where it is positive
+//! definite on the free numbers, and else the sum of what is positive at each point; it is ended by a step of the true one alone. Steps
+//! go no farther than nine tenths of the way to the first place at which an element has no area, and down by Armijo's rule.
+//! Moves and turns as a whole, which change no energy, are taken out of steps.
+//!
+//! *Source*: H.-B. Yan, S.-M. Hu, R. Martin, *Morphing based on strain field interpolation*, 2004, eqs. (9) to (12); J. Smith, S. Schaefer, *Bijective
+//! Parameterization with Free Boundaries*, SIGGRAPH 2015, §3; J. Teran et al., *Robust Quasistatic Finite Elements and Flesh Simulation*,
+//! 2005; errata S5 and S5b.
+
+use super::body::Body;
+use super::energy::{BarrierTerm, Curvature, StrainTerm, Sums};
+use super::system::Kept;
+use super::tensor::Strain;
+use anamorph_core::glam::DVec2;
+use anamorph_solvers::SolverError;
+
+/// Steps after which a search is given up.
+const MOST_STEPS: usize = 120;
+/// Of the way to the first element without area.
+const SHARE: f64 = 0.9;
+/// Determinants below this share of those wanted are held up by the barrier, where it is on.
+pub(crate) const THRESHOLD: f64 = 0.1;
+/// The barrier in units of the energy.
+const STIFFNESS: f64 = 1e-2;
+
+/// Room for the search, used again from frame to frame; nothing of a frame is left for the next.
+#[derive(Default)]
+pub(crate) struct Room {
+    /// Where the vertices are.
+    pub(crate) positions: Vec<DVec2>,
+    trial: Vec<DVec2>,
+    gradient: Vec<DVec2>,
+    fixed: Vec<DVec2>,
+    step: Vec<DVec2>,
+    values: Vec<f64>,
+    pub(crate) right: Vec<f64>,
+    /// Strains wanted, domain by domain.
+    pub(crate) wanted: Vec<Vec<Strain>>,
+    /// Determinants that the barrier begins at.
+    pub(crate) thresholds: Vec<f64>,
+    factor: Kept,
+    pub(crate) stitch: Kept,
+}
+
+impl Room {
+    pub(crate) fn new(body: &Body) -> Self {
+        let count = body.source.len();
+        let zeros = || vec![DVec2::ZERO; count];
+        Self {
+            positions: zeros(),
+            trial: zeros(),
+            gradient: zeros(),
+            fixed: zeros(),
+            step: zeros(),
+            values: vec![0.0; body.system.len() + 1],
+            right: vec![0.0; 2 * count],
+            wanted: body.domains.iter().map(|_| Vec::new()).collect(),
+            thresholds: Vec::new(),
+            factor: Kept::default(),
+            stitch: Kept::default(),
+        }
+    }
+}
+
+/// What is asked of a search.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Search {
+    pub(crate) shear: f64,
+    pub(crate) tolerance: f64,
+    /// Whether elements may not be turned over.
+    pub(crate) guarded: bool,
+    /// Whether determinants are held up.
+    pub(crate) barrier: bool,
+}
+
+/// Why a search ended before its end.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Halt {
+    /// No step led down, or there were too many.
+    Stalled,
+    /// The Hessian is not positive definite, and was to be taken as it is.
+    Indefinite,
+    /// The equations could not be solved.
+    Solver(SolverError),
+}
+
+/// How much was done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Effort {
+    pub(crate) steps: usize,
+    pub(crate) projected: usize,
+}
+
+impl std::ops::AddAssign for Effort {
+    fn add_assign(&mut self, other: Self) {
+        self.steps += other.steps;
+        self.projected += other.projected;
+    }
+}
+
+/// The energy of places.
+pub(crate) fn energy(
+    body: &Body,
+    wanted: &[Vec<Strain>],
+    thresholds: Option<&[f64]>,
+    shear: f64,
+    positions: &[DVec2],
+) -> f64 {
+    let mut sum = 0.0;
+    for (domain, wanted) in body.domains.iter().zip(wanted) {
+        sum += domain
+            .points
+            .energy(&StrainTerm { wanted, shear }, positions);
+    }
+    if let Some(thresholds) = thresholds {
+        let stiffness = STIFFNESS;
+        sum += body.guards.energy(
+            &BarrierTerm {
+                thresholds,
+                stiffness,
+            },
+            positions,
+        );
+    }
+    sum
+}
+
+/// The largest component of the energy's gradient.
+pub(crate) fn residual(body: &Body, room: &mut Room, shear: f64) -> f64 {
+    let Room {
+        positions,
+        gradient,
+        wanted,
+        ..
+    } = room;
+    gradient.fill(DVec2::ZERO);
+    for (domain, wanted) in body.domains.iter().zip(&*wanted) {
+        let term = StrainTerm { wanted, shear };
+        domain.points.gradient(&term, positions, gradient);
+    }
+    largest(gradient)
+}
+
+fn largest(list: &[DVec2]) -> f64 {
+    list.iter().fold(0.0_f64, |most, d| {
+        let size = d.abs().max_element();
+        if size > most || size.is_nan() {
+            size
+        } else {
+            most
+        }
+    })
+}
+
+/// The gradient and the matrix; returns the energy.
+fn assemble(body: &Body, room: &mut Room, search: Search, curvature: Curvature) -> f64 {
+    let Room {
+        positions,
+        gradient,
+        values,
+        wanted,
+        thresholds,
+        ..
+    } = room;
+    gradient.fill(DVec2::ZERO);
+    values.fill(0.0);
+    let mut sums = Sums {
+        energy: 0.0,
+        gradient,
+        values,
+    };
+    let places = &body.system.places;
+    for (domain, wanted) in body.domains.iter().zip(&*wanted) {
+        let term = StrainTerm {
+            wanted,
+            shear: search.shear,
+        };
+        domain
+            .points
+            .assemble(&term, positions, curvature, places, &mut sums);
+    }
+    if search.barrier {
+        let term = BarrierTerm {
+            thresholds,
+            stiffness: STIFFNESS,
+        };
+        body.guards
+            .assemble(&term, positions, curvature, places, &mut sums);
+    }
+    let energy = sums.energy;
+    body.system.hold(values);
+    energy
+}
+
+/// Turns the places so that the edge whose end is held across lies along x.
+fn level(body: &Body, positions: &mut [DVec2]) {
+    let [first, second] = body.gauge;
+    let edge = positions[second] - positions[first];
+    if edge.y.abs() <= 0.25 * edge.x.abs() {
+        return;
+    }
+    let Some(along) = edge.try_normalize() else {
+        return;
+    };
+    let middle = positions[first];
+    for place in positions {
+        let from = *place - middle;
+        *place = DVec2::new(from.dot(along), along.perp_dot(from));
+    }
+}
+
+/// Takes the mean move and the mean turn out of a step.
+fn without_rigid(positions: &[DVec2], step: &mut [DVec2]) {
+    let count = positions.len() as f64;
+    let middle = positions.iter().copied().sum::<DVec2>() / count;
+    let mean = step.iter().copied().sum::<DVec2>() / count;
+    let (mut turn, mut inertia) = (0.0, 0.0);
+    for (place, d) in positions.iter().zip(&*step) {
+        let arm = (*place - middle).perp();
+        turn += arm.dot(*d - mean);
+        inertia += arm.length_squared();
+    }
+    let turn = if inertia > 0.0 { turn / inertia } else { 0.0 };
+    for (place, d) in positions.iter().zip(step) {
+        *d -= mean + (*place - middle).perp() * turn;
+    }
+}
+
+/// `−K⁻¹ φ`, `φ` being what stands in `gradient` with `plus` times what stands in `fixed`.
+fn solve(body: &Body, room: &mut Room, plus: f64) -> Result<(), SolverError> {
+    let Room {
+        gradient,
+        fixed,
+        step,
+        right,
+        factor,
+        ..
+    } = room;
+    for ((pair, g), f) in right.chunks_exact_mut(2).zip(gradient).zip(fixed) {
+        let sum = -(*g + *f * plus);
+        pair.copy_from_slice(&[sum.x, sum.y]);
+    }
+    body.system.still(right);
+    factor.solve(right)?;
+    for (step, pair) in step.iter_mut().zip(right.chunks_exact(2)) {
+        *step = DVec2::new(pair[0], pair[1]);
+    }
+    Ok(())
+}
+
+/// Factors the matrix that stands in `values`; whether it is positive definite.
+fn factor(body: &Body, room: &mut Room) -> Result<bool, SolverError> {
+    let values = &room.values[..body.system.len()];
+    match room.factor.renew(&body.system.symbolic, values) {
+        Ok(()) => Ok(true),
+        Err(SolverError::NotPositiveDefinite { .. }) => Ok(false),
+        Err(other) => Err(other),
+    }
+}
+
+/// Searches from where the vertices are.
+pub(crate) fn projected(body: &Body, room: &mut Room, search: Search) -> Result<Effort, Halt> {
+    let mut effort = Effort::default();
+    let mut before = f64::INFINITY;
+    for _ in 0..MOST_STEPS {
+        level(body, &mut room.positions);
+        let energy_here = assemble(body, room, search, Curvature::True);
+        if !energy_here.is_finite() {
+            return Err(Halt::Stalled);
+        }
+        let whole = factor(body, room).map_err(Halt::Solver)?;
+        if !whole {
+            effort.projected += 1;
+            assemble(body, room, search, Curvature::Positive);
+            let diagonal = &body.system.diagonal;
+            let most = diagonal
+                .iter()
+                .fold(0.0_f64, |most, &k| most.max(room.values[k as usize]));
+            for &place in diagonal {
+                room.values[place as usize] += 1e-9 * most;
+            }
+            if !factor(body, room).map_err(Halt::Solver)? {
+                return Err(Halt::Stalled);
+            }
+        }
+        solve(body, room, 0.0).map_err(Halt::Solver)?;
+        without_rigid(&room.positions, &mut room.step);
+        effort.steps += 1;
+        let size = largest(&room.step);
+        let reach = if search.guarded {
+            let corners = body.corners.iter();
+            corners.fold(f64::INFINITY, |least, corner| {
+                least.min(corner.first_root(&room.positions, &room.step))
+            })
+        } else {
+            f64::INFINITY
+        };
+        let mut share = (SHARE * reach).min(1.0);
+        let near = size < if whole { search.tolerance } else { 1e-10 };
+        if near && share == 1.0 {
+            advance(room, 1.0);
+            std::mem::swap(&mut room.positions, &mut room.trial);
+            return Ok(effort);
+        }
+        let slope: f64 = room
+            .gradient
+            .iter()
+            .zip(&room.step)
+            .map(|(g, d)| g.dot(*d))
+            .sum();
+        // What rounding leaves of a sum of squares.
+        let noise = 1e-14 * energy_here + 1e-30;
+        loop {
+            advance(room, share);
+            let thresholds = search.barrier.then_some(&room.thresholds[..]);
+            let there = energy(body, &room.wanted, thresholds, search.shear, &room.trial);
+            if there <= energy_here + 1e-4 * share * slope + noise {
+                break;
+            }
+            share *= 0.5;
+            if share * size < 1e-13 || share < 1e-12 {
+                return Err(Halt::Stalled);
+            }
+        }
+        std::mem::swap(&mut room.positions, &mut room.trial);
+        // Steps that a vanishing element stops lead nowhere.
+        if share * size < 1e-9 && !near && before < 1e-9 {
+            return Err(Halt::Stalled);
+        }
+        before = share * size;
+    }
+    Err(Halt::Stalled)
+}
+
+fn advance(room: &mut Room, share: f64) {
+    let moved = room.positions.iter().zip(&room.step);
+    for (to, (from, d)) in room.trial.iter_mut().zip(moved) {
+        *to = *from + *d * share;
+    }
+}
+
+/// Eq. (11) as it comes, after `stages − 1` steps of eq. (12) if there are more stages than one.
+pub(crate) fn plain(
+    body: &Body,
+    room: &mut Room,
+    search: Search,
+    stages: usize,
+) -> Result<Effort, Halt> {
+    let mut effort = Effort::default();
+    level(body, &mut room.positions);
+    room.fixed.fill(DVec2::ZERO);
+    for step in 1..=MOST_STEPS {
+        let energy = assemble(body, room, search, Curvature::True);
+        if !energy.is_finite() {
+            return Err(Halt::Stalled);
+        }
+        if step == 1 && stages > 1 {
+            room.fixed.copy_from_slice(&room.gradient);
+        }
+        if !factor(body, room).map_err(Halt::Solver)? {
+            return Err(Halt::Indefinite);
+        }
+        let plus = if step < stages {
+            step as f64 / stages as f64 - 1.0
+        } else {
+            0.0
+        };
+        solve(body, room, plus).map_err(Halt::Solver)?;
+        effort.steps += 1;
+        advance(room, 1.0);
+        std::mem::swap(&mut room.positions, &mut room.trial);
+        if step >= stages && largest(&room.step) < search.tolerance {
+            return Ok(effort);
+        }
+    }
+    Err(Halt::Stalled)
+}
