@@ -3,6 +3,7 @@
 //! - [`KeyPath`]: how anything goes through its keys over time, straight from one to the next or smoothly through all.
 //! - [`places`]: in-betweens of features, points and lines.
 //! - [`grid`]: images warped by coordinate grids that the user lays over them, in two passes.
+//! - [`matching`]: which place of one closed outline becomes which place of another.
 //! - [`images`]: frames of a metamorphosis of two images, by any deformations that lead back to them.
 //!
 //! Coordinates of images are those of `anamorph-raster`: pixel `(x, y)` covers `[x, x + 1) × [y, y + 1)`, `x` goes right and `y`
@@ -35,6 +36,7 @@
 pub mod grid;
 pub mod images;
 mod keys;
+pub mod matching;
 mod names;
 pub mod places;
 
