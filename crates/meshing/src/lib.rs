@@ -43,6 +43,7 @@ pub mod decimation;
 mod error;
 mod nearest;
 pub mod paths;
+pub mod planar;
 mod surface;
 #[cfg(test)]
 mod testing;

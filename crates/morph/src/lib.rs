@@ -4,6 +4,8 @@
 //! - [`places`]: in-betweens of features, points and lines.
 //! - [`grid`]: images warped by coordinate grids that the user lays over them, in two passes.
 //! - [`matching`]: which place of one closed outline becomes which place of another.
+//! - [`shapes`]: what outlines need before they can be meshed, and which parts and holes become which.
+//! - [`silhouette`]: the outlines of what an image shows.
 //! - [`images`]: frames of a metamorphosis of two images, by any deformations that lead back to them.
 //!
 //! Coordinates of images are those of `anamorph-raster`: pixel `(x, y)` covers `[x, x + 1) × [y, y + 1)`, `x` goes right and `y`
@@ -39,6 +41,8 @@ mod keys;
 pub mod matching;
 mod names;
 pub mod places;
+pub mod shapes;
+pub mod silhouette;
 
 pub use keys::{KeyError, KeyPath};
 pub use names::UnknownName;

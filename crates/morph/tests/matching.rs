@@ -1,5 +1,7 @@
 //! Outlines are matched by their form, exactly at anchors, and made consistent without losing a vertex.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use anamorph_core::glam::{DMat2, DVec2, dvec2};
 use anamorph_morph::matching::{
     Anchor, AnchorPlace, MatchError, Matching, RingPlace, Side, Thinning, Weights, match_outlines,

@@ -4,7 +4,8 @@
 //! both. With given ends one pass over the lattice finds the best way. Around a cycle the start `(0, k)` is free, and the way ends at
 //! `(m, n + k)`. Best ways from different starts need not cross, since where they meet either may go on as the other; so the
 //! best way from a start between two others stays between theirs, and halving the starts again and again costs
-//! `m · n · log n` in all and loses nothing.
+//! `m · n · log n` in all and loses nothing. Nor does passing over a range of starts of which even a way that may begin at one
+//! and end at another costs more than the best known.
 //!
 //! *Source*: T. Sederberg and E. Greenwood, *A Physically Based Approach to 2-D Shape Blending*, SIGGRAPH 1992 (the lattice, and
 //! work of stretching and bending); M. Maes, *On a Cyclic String-to-String Correction Problem*, Information Processing
@@ -47,10 +48,15 @@ impl Way {
     }
 }
 
-/// Where a step into a node came from.
+/// Where a step into a node came from: both outlines went on.
 const BOTH: u8 = 0;
-const FIRST: u8 = 1;
+/// The second outline alone went on, whatever the other bits say; the lowest bit says that the first alone did.
 const SECOND: u8 = 2;
+
+/// Among so many starts or fewer the best way is bounded before it is looked for.
+const BOUNDED: usize = 256;
+/// A better way than by this share is not looked for.
+const ROUNDING: f64 = 1e-9;
 
 /// What steps cost.
 #[derive(Debug)]
@@ -150,8 +156,7 @@ impl Lattice {
 
     /// The best way from `(0, start)` to `(m, start + n)` between two others.
     fn between(&self, start: usize, bounds: Option<(&Way, &Way)>, memory: &mut Memory) -> Way {
-        let (m, n) = (self.m, self.n);
-        let end = start + n;
+        let (m, end) = (self.m, start + self.n);
         let window = |i: usize| match bounds {
             None => (start, end),
             Some((below, above)) => {
@@ -159,6 +164,46 @@ impl Lattice {
                 (low.max(start), high.min(end))
             }
         };
+        self.pass(start, start, window, memory);
+        let cost = memory.cost[self.n];
+
+        // From the end back.
+        let mut rows = vec![(0_u32, 0_u32); m + 1];
+        let mut j = end;
+        for i in (0..=m).rev() {
+            let (low, _) = window(i);
+            let step = |j: usize| memory.came[memory.offsets[i] + j - low];
+            let last = j;
+            while j > low && step(j) & SECOND != 0 {
+                j -= 1;
+            }
+            rows[i] = (j as u32, last as u32);
+            if i > 0 && step(j) == BOTH {
+                j -= 1;
+            }
+        }
+        Way { rows, cost }
+    }
+
+    /// No way that begins between two starts, whose best ways are given, costs less: it may end where any of them does.
+    fn bound(&self, low: (usize, &Way), high: (usize, &Way), memory: &mut Memory) -> f64 {
+        let window = |i: usize| (low.1.rows[i].0 as usize, high.1.rows[i].1 as usize);
+        self.pass(low.0, high.0, window, memory);
+        let ends = &memory.cost[self.n..=self.n + high.0 - low.0];
+        ends.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// What the best ways cost that begin in row 0 anywhere from `start` to `last`, to each column of row `m`, within
+    /// windows that only move on.
+    fn pass(
+        &self,
+        start: usize,
+        last: usize,
+        window: impl Fn(usize) -> (usize, usize),
+        memory: &mut Memory,
+    ) {
+        let (m, n) = (self.m, self.n);
+        let most = n + 1 + last - start;
         let Memory {
             cost,
             before,
@@ -168,13 +213,12 @@ impl Lattice {
         } = memory;
         // Costs by column from `start`.
         cost.clear();
-        cost.resize(n + 1, f64::INFINITY);
-        before.resize(n + 1, 0.0);
-        aside.resize(n + 1, 0.0);
+        cost.resize(most, f64::INFINITY);
+        before.resize(most, 0.0);
+        aside.resize(most, 0.0);
         came.clear();
         offsets.clear();
         let mut low_before = start;
-        let mut left = f64::INFINITY;
         for i in 0..=m {
             let (low, high) = window(i);
             let width = high + 1 - low;
@@ -213,38 +257,20 @@ impl Lattice {
             }
             if i == 0 {
                 before[..width].fill(f64::INFINITY);
-                before[0] = 0.0;
+                before[..=last - start].fill(0.0);
             }
             // Along the row.
-            left = f64::INFINITY;
+            let mut left = f64::INFINITY;
             let costs = cost[first..first + width].iter_mut().zip(came);
             for ((cost, came), (before, aside)) in costs.zip(before.iter().zip(aside.iter())) {
                 let along = left + aside;
-                if along < *before {
-                    *came = SECOND;
-                }
+                // Without branches: which it is cannot be foreseen.
+                *came |= u8::from(along < *before) << 1;
                 left = choose(*before, along);
                 *cost = left;
             }
             low_before = low;
         }
-
-        // From the end back.
-        let mut rows = vec![(0_u32, 0_u32); m + 1];
-        let mut j = end;
-        for i in (0..=m).rev() {
-            let (low, _) = window(i);
-            let step = |j: usize| came[offsets[i] + j - low];
-            let last = j;
-            while j > low && step(j) == SECOND {
-                j -= 1;
-            }
-            rows[i] = (j as u32, last as u32);
-            if i > 0 && step(j) == BOTH {
-                j -= 1;
-            }
-        }
-        Way { rows, cost: left }
     }
 
     /// What it costs to enter neighbouring nodes of row `i` from the row before, whose costs are `old` and, one column
@@ -262,7 +288,7 @@ impl Lattice {
         let mut node = |c: usize, diagonal: f64| {
             let diagonal = diagonal + f64::from(both[c]);
             let upright = old[c] + (plain + share * f64::from(bent[c]));
-            came[c] = if upright < diagonal { FIRST } else { BOTH };
+            came[c] = u8::from(upright < diagonal);
             before[c] = choose(diagonal, upright);
         };
         node(0, corner);
@@ -282,19 +308,30 @@ impl Lattice {
         let first = self.between(0, None, &mut memory);
         let last = first.shifted(self.n);
         let mut best = (first.clone(), 0);
-        // Starts between two whose ways are known.
+        // Starts between two whose ways are known; those next to cheaper ways first.
         let mut ranges = vec![(0, first, self.n, last)];
         while let Some((low, below, high, above)) = ranges.pop() {
             if high - low < 2 {
                 continue;
+            }
+            if high - low <= BOUNDED {
+                let bound = self.bound((low, &below), (high, &above), &mut memory);
+                if bound >= best.0.cost * (1.0 - ROUNDING) {
+                    continue;
+                }
             }
             let start = low + (high - low) / 2;
             let way = self.between(start, Some((&below, &above)), &mut memory);
             if (way.cost, start) < (best.0.cost, best.1) {
                 best = (way.clone(), start);
             }
-            ranges.push((start, way.clone(), high, above));
-            ranges.push((low, below, start, way));
+            let lower = (low, below, start, way.clone());
+            let upper = (start, way, high, above);
+            if lower.1.cost <= upper.3.cost {
+                ranges.extend([upper, lower]);
+            } else {
+                ranges.extend([lower, upper]);
+            }
         }
         best.0
     }
