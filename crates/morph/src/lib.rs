@@ -4,6 +4,9 @@
 //! - [`places`]: in-betweens of features, points and lines.
 //! - [`grid`]: images warped by coordinate grids that the user lays over them, in two passes.
 //! - [`strain`]: in-betweens of shapes by their strains.
+//! - [`matching`]: which place of one closed outline becomes which place of another.
+//! - [`shapes`]: what outlines need before they can be meshed, and which parts and holes become which.
+//! - [`silhouette`]: the outlines of what an image shows.
 //! - [`images`]: frames of a metamorphosis of two images, by any deformations that lead back to them.
 //!
 //! Coordinates of images are those of `anamorph-raster`: pixel `(x, y)` covers `[x, x + 1) × [y, y + 1)`, `x` goes right and `y`
@@ -36,8 +39,11 @@
 pub mod grid;
 pub mod images;
 mod keys;
+pub mod matching;
 mod names;
 pub mod places;
+pub mod shapes;
+pub mod silhouette;
 pub mod strain;
 
 pub use keys::{KeyError, KeyPath};
