@@ -204,8 +204,9 @@ pub(crate) struct ImageOptions {
 /// drawn with the features half way, or however far, and one dissolves into the other.
 #[derive(Debug, Args)]
 pub(crate) struct MorphOptions {
-    /// Two images or more, or series of them such as clip.%04d.png; a chain goes from each to the next
-    #[arg(required = true, num_args = 2.., value_name = "IMAGE")]
+    /// Two images or more, or series of them such as clip.%04d.png; or two shapes or more: SVG, polygons, GeoJSON, fonts. A chain goes
+    /// from each to the next
+    #[arg(required = true, num_args = 2.., value_name = "INPUT")]
     pub images: Vec<PathBuf>,
     /// The recipe of one warp between features, TOML or JSON; for a chain one for each step (-r AB -r BC)
     #[arg(short, long, value_name = "FILE", conflicts_with = "landmarks")]
@@ -215,15 +216,15 @@ pub(crate) struct MorphOptions {
         short,
         long,
         value_name = "FILE",
-        num_args = 2..,
-        required_unless_present = "recipe"
+        num_args = 2..
     )]
     pub landmarks: Vec<PathBuf>,
     /// The warp between landmarks: thin-plate, lines, points, radial or multilevel; thin-plate if left out
     #[arg(long, value_name = "KIND", requires = "landmarks")]
     pub method: Option<String>,
     /// Where the result goes: numbered images (out.%04d.png, out.####.exr), a film (.gif, .apng, .y4m), with --at one image; `-` is a
-    /// y4m film on standard output, for an encoder
+    /// y4m film on standard output, for an encoder. Shapes also become an animated .svg, Lottie (.json) or .glb, or numbered .svg, .json
+    /// and .obj
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// Frames of the whole; as many as the longest series has if left out, or 25 for each step
@@ -265,6 +266,34 @@ pub(crate) struct MorphOptions {
     /// Write a report as JSON: frames, features, how good the maps are
     #[arg(long, value_name = "FILE.json")]
     pub report: Option<PathBuf>,
+    /// How shapes go over: indifferent, linear, modified, log, vertex-linear or as-rigid-as-possible; indifferent if left out
+    #[arg(long, value_name = "NAME", help_heading = "Shapes")]
+    pub scheme: Option<String>,
+    /// Places of the outlines that must become each other, a TOML file of [[anchor]] tables for each step
+    #[arg(long, value_name = "FILE", num_args = 1.., help_heading = "Shapes")]
+    pub anchors: Vec<PathBuf>,
+    /// What becomes of parts of a drawing that have no partner: they split off or merge into the nearest if left out
+    #[arg(long, value_name = "HOW", help_heading = "Shapes")]
+    pub pieces: Option<PiecesName>,
+    /// The text of each font among the inputs
+    #[arg(long, value_name = "TEXT", num_args = 1.., help_heading = "Shapes")]
+    pub text: Vec<String>,
+    /// Take the outlines of images: of what is opaque, or dark in images without alpha
+    #[arg(long, help_heading = "Shapes")]
+    pub silhouette: bool,
+    /// How far curves may be from the polygons that stand for them, in units of the drawing; a two-thousandth of its longer side if
+    /// left out
+    #[arg(long, value_name = "UNITS", value_parser = parse_positive, help_heading = "Shapes")]
+    pub tolerance: Option<f64>,
+    /// Pixels of the longer side of pictures of shapes; 512 if left out
+    #[arg(long, value_name = "PIXELS", value_parser = parse_side, help_heading = "Shapes")]
+    pub size: Option<f64>,
+    /// Write how good a morph of shapes is, beside other methods over the same meshes, as JSON, and print a table
+    #[arg(long, value_name = "FILE.json", help_heading = "Shapes")]
+    pub metrics: Option<PathBuf>,
+    /// Draw which places of shapes become each other, as .png or .svg
+    #[arg(long, value_name = "FILE", help_heading = "Shapes")]
+    pub matching: Option<PathBuf>,
     #[command(flatten)]
     pub pixels: PixelOptions,
     /// Threads to use, 1 to 1024; as many as the machine has if left out. Results do not depend on it
@@ -279,6 +308,44 @@ pub(crate) struct MorphOptions {
     /// Replace files that exist
     #[arg(short, long)]
     pub force: bool,
+}
+
+/// What becomes of parts of a drawing without a partner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PiecesName {
+    /// Further parts of the target split off the source's nearest, further parts of the source merge into the target's
+    SplitAndMerge,
+    /// Further parts of the target split off; those of the source shrink to points
+    Split,
+    /// Further parts of the source merge; those of the target grow from points
+    Merge,
+    /// All grow from points, or shrink to points
+    Grow,
+}
+
+impl From<PiecesName> for anamorph_morph::shapes::Pieces {
+    fn from(name: PiecesName) -> Self {
+        match name {
+            PiecesName::SplitAndMerge => Self::SplitAndMerge,
+            PiecesName::Split => Self::Split,
+            PiecesName::Merge => Self::Merge,
+            PiecesName::Grow => Self::Grow,
+        }
+    }
+}
+
+fn parse_positive(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok();
+    number
+        .filter(|n: &f64| *n > 0.0 && n.is_finite())
+        .ok_or_else(|| "write a positive number, such as 0.1".to_owned())
+}
+
+fn parse_side(text: &str) -> Result<f64, String> {
+    let number = text.trim().trim_end_matches("px").trim().parse().ok();
+    number
+        .filter(|n: &f64| (1.0..=16_384.0).contains(n))
+        .ok_or_else(|| "write a number of pixels from 1 to 16384".to_owned())
 }
 
 /// How an image comes to lie on one of another size.

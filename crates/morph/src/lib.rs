@@ -2,6 +2,7 @@
 //!
 //! - [`KeyPath`]: how anything goes through its keys over time, straight from one to the next or smoothly through all.
 //! - [`places`]: in-betweens of features, points and lines.
+//! - [`figures`]: what is between two drawings, by the parts below.
 //! - [`grid`]: images warped by coordinate grids that the user lays over them, in two passes.
 //! - [`strain`]: in-betweens of shapes by their strains.
 //! - [`matching`]: which place of one closed outline becomes which place of another.
@@ -36,6 +37,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod figures;
 pub mod grid;
 pub mod images;
 mod keys;

@@ -60,7 +60,7 @@ enum Item {
         width: f64,
     },
     Area {
-        points: Vec<[f64; 2]>,
+        rings: Vec<Vec<[f64; 2]>>,
         ink: Ink,
     },
     Disc {
@@ -127,9 +127,16 @@ impl Figure {
 
     /// An area with straight edges.
     pub fn area(&mut self, points: &[[f64; 2]], ink: Ink) {
-        if points.len() > 2 && finite(points) {
+        if points.len() > 2 {
+            self.region(&[points.to_vec()], ink);
+        }
+    }
+
+    /// What an odd number of outlines with straight edges go around.
+    pub fn region(&mut self, rings: &[Vec<[f64; 2]>], ink: Ink) {
+        if !rings.is_empty() && rings.iter().all(|ring| finite(ring)) {
             self.items.push(Item::Area {
-                points: points.to_vec(),
+                rings: rings.to_vec(),
                 ink,
             });
         }
@@ -247,13 +254,25 @@ impl Item {
                 ink.hex(),
                 opacity("stroke", *ink)
             ),
-            Self::Area { points, ink } => writeln!(
-                out,
-                "<polygon points=\"{}\" fill=\"{}\"{}/>",
-                list(points),
-                ink.hex(),
-                opacity("fill", *ink)
-            ),
+            Self::Area { rings, ink } => match rings.as_slice() {
+                [points] => writeln!(
+                    out,
+                    "<polygon points=\"{}\" fill=\"{}\"{}/>",
+                    list(points),
+                    ink.hex(),
+                    opacity("fill", *ink)
+                ),
+                rings => {
+                    let path = |ring: &Vec<[f64; 2]>| format!("M{}Z", list(ring));
+                    let paths: String = rings.iter().map(path).collect();
+                    writeln!(
+                        out,
+                        "<path d=\"{paths}\" fill-rule=\"evenodd\" fill=\"{}\"{}/>",
+                        ink.hex(),
+                        opacity("fill", *ink)
+                    )
+                }
+            },
             Self::Disc {
                 at: [x, y],
                 radius,
@@ -298,17 +317,19 @@ impl Item {
             paint.anti_alias = true;
             paint
         };
-        let along = |points: &[[f64; 2]], close: bool| {
+        let along = |lines: &[Vec<[f64; 2]>], close: bool| {
             let mut path = PathBuilder::new();
-            for (i, [x, y]) in points.iter().enumerate() {
-                if i == 0 {
-                    path.move_to(*x as f32, *y as f32);
-                } else {
-                    path.line_to(*x as f32, *y as f32);
+            for points in lines {
+                for (i, [x, y]) in points.iter().enumerate() {
+                    if i == 0 {
+                        path.move_to(*x as f32, *y as f32);
+                    } else {
+                        path.line_to(*x as f32, *y as f32);
+                    }
                 }
-            }
-            if close {
-                path.close();
+                if close {
+                    path.close();
+                }
             }
             path.finish()
         };
@@ -321,13 +342,13 @@ impl Item {
         let here = Transform::identity();
         match self {
             Self::Line { points, ink, width } => {
-                if let Some(path) = along(points, false) {
+                if let Some(path) = along(core::slice::from_ref(points), false) {
                     pixels.stroke_path(&path, &paint(*ink), &stroke(*width), here, None);
                 }
             }
-            Self::Area { points, ink } => {
-                if let Some(path) = along(points, true) {
-                    pixels.fill_path(&path, &paint(*ink), FillRule::Winding, here, None);
+            Self::Area { rings, ink } => {
+                if let Some(path) = along(rings, true) {
+                    pixels.fill_path(&path, &paint(*ink), FillRule::EvenOdd, here, None);
                 }
             }
             Self::Disc {
@@ -358,7 +379,7 @@ impl Item {
                         .iter()
                         .map(|[x, y]| [start + x * unit, at[1] - y * unit])
                         .collect();
-                    if let Some(path) = along(&points, false) {
+                    if let Some(path) = along(&[points], false) {
                         let width = stroke(0.13 * height);
                         pixels.stroke_path(&path, &paint(*ink), &width, here, None);
                     }

@@ -37,6 +37,15 @@ const FRAMES: usize = 25;
 
 /// Morphs what the arguments name.
 pub(crate) fn run(options: &MorphOptions) -> Result<(), Failure> {
+    if super::shapes::are_shapes(options) {
+        return super::shapes::run(options);
+    }
+    if options.recipe.is_empty() && options.landmarks.is_empty() {
+        return Err(Failure::usage(
+            "images are matched by landmarks, -l/--landmarks A.json B.json, or by the features of a recipe, -r/--recipe",
+        ));
+    }
+    refuse_options_of_shapes(options)?;
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = options.threads {
         pool = pool.num_threads(threads);
@@ -45,6 +54,26 @@ pub(crate) fn run(options: &MorphOptions) -> Result<(), Failure> {
         .build()
         .map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
     pool.install(|| Morph::prepare(options)?.write())
+}
+
+/// Options that only shapes have.
+fn refuse_options_of_shapes(options: &MorphOptions) -> Result<(), Failure> {
+    let given = [
+        (options.scheme.is_some(), "--scheme"),
+        (!options.anchors.is_empty(), "--anchors"),
+        (options.pieces.is_some(), "--pieces"),
+        (!options.text.is_empty(), "--text"),
+        (options.tolerance.is_some(), "--tolerance"),
+        (options.size.is_some(), "--size"),
+        (options.metrics.is_some(), "--metrics"),
+        (options.matching.is_some(), "--matching"),
+    ];
+    match given.iter().find(|(given, _)| *given) {
+        Some((_, name)) => Err(Failure::usage(format!(
+            "{name}: only morphs of shapes have it; the inputs are images (--silhouette takes their outlines)"
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// The places of features, a list each.
