@@ -416,7 +416,7 @@ fn corrections(
         let size = largest(&room.step);
         let ratio = size / before;
         effort.corrections += 1;
-        if !(ratio < SHRINKS) || reach(body, room, search) < 1.0 {
+        if ratio.is_nan() || ratio >= SHRINKS || reach(body, room, search) < 1.0 {
             return Ok(false);
         }
         advance(room, 1.0);
