@@ -251,7 +251,7 @@ impl Body {
         let mut smallest = (f64::INFINITY, 0);
         for (corner, &element) in self.corners.iter().zip(&self.corner_elements) {
             let ratio = corner.determinant(positions) / corner.area;
-            if !(ratio >= smallest.0) {
+            if ratio < smallest.0 || ratio.is_nan() {
                 smallest = (ratio, element as usize);
             }
         }

@@ -177,6 +177,7 @@ impl Term for BarrierTerm<'_> {
 }
 
 /// Whether all pivots are positive.
+#[allow(clippy::needless_range_loop)]
 fn is_positive(matrix: &[[f64; 4]; 4]) -> bool {
     let mut m = *matrix;
     for k in 0..4 {
@@ -194,6 +195,7 @@ fn is_positive(matrix: &[[f64; 4]; 4]) -> bool {
 }
 
 /// The nearest matrix without negative principal values, by Jacobi's rotations.
+#[allow(clippy::needless_range_loop)]
 pub(crate) fn make_positive(matrix: &mut [[f64; 4]; 4]) {
     if is_positive(matrix) {
         return;

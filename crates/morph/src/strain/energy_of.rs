@@ -78,16 +78,10 @@ impl Energy {
             self.points
                 .assemble(&term, positions, curvature, &places, &mut sums);
         }
-        let mut rows: Vec<Vec<f64>> = values[..size * size]
-            .chunks(size.max(1))
-            .map(<[f64]>::to_vec)
-            .collect();
-        for row in 0..size {
-            for column in 0..row {
-                rows[column][row] = rows[row][column];
-            }
-        }
-        rows
+        let entry = |row: usize, column: usize| values[row.max(column) * size + row.min(column)];
+        (0..size)
+            .map(|row| (0..size).map(|column| entry(row, column)).collect())
+            .collect()
     }
 }
 

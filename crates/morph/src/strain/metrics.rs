@@ -183,7 +183,7 @@ impl<'a> Yardstick<'a> {
         self.corners.each_gradient(positions, |_, element, f| {
             let determinant = cross(f.x_axis, f.y_axis);
             found.smallest_determinant = found.smallest_determinant.min(determinant);
-            turned[element] |= !(determinant > 0.0);
+            turned[element] |= determinant.is_nan() || determinant <= 0.0;
         });
         found.flips = turned.iter().filter(|&&t| t).count();
         let mut weights = self.points.weights();

@@ -62,9 +62,11 @@ use anamorph_solvers::SolverError;
 /// How a frame was found. Of several parts: the sums, and the largest residual.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Solution {
-    /// Newton's steps.
+    /// Newton's steps, each with a factor of its own.
     pub steps: usize,
-    /// Those among them whose Hessian had to be made positive.
+    /// Steps with a factor that was there already.
+    pub corrections: usize,
+    /// Newton's steps whose Hessian had to be made positive.
     pub projected: usize,
     /// In how many pieces of time the frame was reached, 0 if at once.
     pub subdivisions: usize,
@@ -79,6 +81,7 @@ pub struct Solution {
 impl Solution {
     fn add(&mut self, other: &Self) {
         self.steps += other.steps;
+        self.corrections += other.corrections;
         self.projected += other.projected;
         self.subdivisions += other.subdivisions;
         self.held_up += other.held_up;

@@ -209,6 +209,7 @@ impl StrainMorph {
         let residual = newton::residual(body, room, shear);
         Solution {
             steps: way.effort.steps,
+            corrections: way.effort.corrections,
             projected: way.effort.projected,
             subdivisions: way.subdivisions,
             held_up: way.held_up,

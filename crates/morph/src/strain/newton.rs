@@ -3,7 +3,8 @@
 //! Steps solve `K d = −φ`, eq. (11). The projected search takes the true Hessian where its factor exists, which is where it is positive
 //! definite on the free numbers, and else the sum of what is positive at each point; it is ended by a step of the true one alone. Steps
 //! go no farther than nine tenths of the way to the first place at which an element has no area, and down by Armijo's rule.
-//! Moves and turns as a whole, which change no energy, are taken out of steps.
+//! Moves and turns as a whole, which change no energy, are taken out of steps. Between two factors come corrections with the one that is there, as
+//! long as they shrink fast, since a factor costs as much as several of them.
 //!
 //! *Source*: H.-B. Yan, S.-M. Hu, R. Martin, *Morphing based on strain field interpolation*, 2004, eqs. (9) to (12); J. Smith, S. Schaefer, *Bijective
 //! Parameterization with Free Boundaries*, SIGGRAPH 2015, §3; J. Teran et al., *Robust Quasistatic Finite Elements and Flesh Simulation*,
@@ -18,6 +19,10 @@ use anamorph_solvers::SolverError;
 
 /// Steps after which a search is given up.
 const MOST_STEPS: usize = 120;
+/// A correction is worth more than a new factor while it is less than this share of the one before.
+const SHRINKS: f64 = 0.25;
+/// Steps with positive parts alone, one after the other, after which the true matrix is taken with a little on its diagonal.
+const CRAWLS: usize = 3;
 /// Of the way to the first element without area.
 const SHARE: f64 = 0.9;
 /// Determinants below this share of those wanted are held up by the barrier, where it is on.
@@ -91,12 +96,14 @@ pub(crate) enum Halt {
 pub(crate) struct Effort {
     pub(crate) steps: usize,
     pub(crate) projected: usize,
+    pub(crate) corrections: usize,
 }
 
 impl std::ops::AddAssign for Effort {
     fn add_assign(&mut self, other: Self) {
         self.steps += other.steps;
         self.projected += other.projected;
+        self.corrections += other.corrections;
     }
 }
 
@@ -129,10 +136,17 @@ pub(crate) fn energy(
 
 /// The largest component of the energy's gradient.
 pub(crate) fn residual(body: &Body, room: &mut Room, shear: f64) -> f64 {
+    slopes(body, room, shear, false);
+    largest(&room.gradient)
+}
+
+/// The gradient alone.
+fn slopes(body: &Body, room: &mut Room, shear: f64, barrier: bool) {
     let Room {
         positions,
         gradient,
         wanted,
+        thresholds,
         ..
     } = room;
     gradient.fill(DVec2::ZERO);
@@ -140,7 +154,13 @@ pub(crate) fn residual(body: &Body, room: &mut Room, shear: f64) -> f64 {
         let term = StrainTerm { wanted, shear };
         domain.points.gradient(&term, positions, gradient);
     }
-    largest(gradient)
+    if barrier {
+        let term = BarrierTerm {
+            thresholds,
+            stiffness: STIFFNESS,
+        };
+        body.guards.gradient(&term, positions, gradient);
+    }
 }
 
 fn largest(list: &[DVec2]) -> f64 {
@@ -264,6 +284,7 @@ fn factor(body: &Body, room: &mut Room) -> Result<bool, SolverError> {
 pub(crate) fn projected(body: &Body, room: &mut Room, search: Search) -> Result<Effort, Halt> {
     let mut effort = Effort::default();
     let mut before = f64::INFINITY;
+    let (mut crawled, mut lift) = (0, 1e-4);
     for _ in 0..MOST_STEPS {
         level(body, &mut room.positions);
         let energy_here = assemble(body, room, search, Curvature::True);
@@ -271,17 +292,13 @@ pub(crate) fn projected(body: &Body, room: &mut Room, search: Search) -> Result<
             return Err(Halt::Stalled);
         }
         let whole = factor(body, room).map_err(Halt::Solver)?;
-        if !whole {
+        if whole {
+            crawled = 0;
+        } else {
             effort.projected += 1;
-            assemble(body, room, search, Curvature::Positive);
-            let diagonal = &body.system.diagonal;
-            let most = diagonal
-                .iter()
-                .fold(0.0_f64, |most, &k| most.max(room.values[k as usize]));
-            for &place in diagonal {
-                room.values[place as usize] += 1e-9 * most;
-            }
-            if !factor(body, room).map_err(Halt::Solver)? {
+            crawled += 1;
+            let shifted = crawled > CRAWLS && shift(body, room, &mut lift)?;
+            if !shifted && !make_positive(body, room, search)? {
                 return Err(Halt::Stalled);
             }
         }
@@ -289,15 +306,7 @@ pub(crate) fn projected(body: &Body, room: &mut Room, search: Search) -> Result<
         without_rigid(&room.positions, &mut room.step);
         effort.steps += 1;
         let size = largest(&room.step);
-        let reach = if search.guarded {
-            let corners = body.corners.iter();
-            corners.fold(f64::INFINITY, |least, corner| {
-                least.min(corner.first_root(&room.positions, &room.step))
-            })
-        } else {
-            f64::INFINITY
-        };
-        let mut share = (SHARE * reach).min(1.0);
+        let mut share = reach(body, room, search);
         let near = size < if whole { search.tolerance } else { 1e-10 };
         if near && share == 1.0 {
             advance(room, 1.0);
@@ -312,6 +321,10 @@ pub(crate) fn projected(body: &Body, room: &mut Room, search: Search) -> Result<
             .sum();
         // What rounding leaves of a sum of squares.
         let noise = 1e-14 * energy_here + 1e-30;
+        // Where the least energy is flat, as it is at a vanishing element, steps are long and gain nothing that could be seen.
+        if !whole && share == 1.0 && -slope < noise {
+            return Ok(effort);
+        }
         loop {
             advance(room, share);
             let thresholds = search.barrier.then_some(&room.thresholds[..]);
@@ -330,8 +343,90 @@ pub(crate) fn projected(body: &Body, room: &mut Room, search: Search) -> Result<
             return Err(Halt::Stalled);
         }
         before = share * size;
+        if whole && share == 1.0 && size < 0.5 {
+            let more = corrections(body, room, search, size, &mut effort);
+            if more.map_err(Halt::Solver)? {
+                return Ok(effort);
+            }
+        }
     }
     Err(Halt::Stalled)
+}
+
+/// The sum of what is positive at each point in place of the matrix; whether it has a factor.
+fn make_positive(body: &Body, room: &mut Room, search: Search) -> Result<bool, Halt> {
+    assemble(body, room, search, Curvature::Positive);
+    lift_diagonal(body, room, 1e-9);
+    factor(body, room).map_err(Halt::Solver)
+}
+
+/// Adds a share of the largest diagonal entry to all of them.
+fn lift_diagonal(body: &Body, room: &mut Room, share: f64) {
+    let diagonal = &body.system.diagonal;
+    let most = diagonal
+        .iter()
+        .fold(0.0_f64, |most, &k| most.max(room.values[k as usize]));
+    for &place in diagonal {
+        room.values[place as usize] += share * most;
+    }
+}
+
+/// The true matrix with as little on its diagonal as makes it positive definite, beginning at what did last time: near a minimum where it
+/// is all but singular, Newton's steps are kept by that. Whether little was enough.
+fn shift(body: &Body, room: &mut Room, lift: &mut f64) -> Result<bool, Halt> {
+    let (mut whole, mut next) = (0.0, (0.1 * *lift).max(1e-12));
+    while next < 0.1 {
+        lift_diagonal(body, room, next - whole);
+        whole = next;
+        if factor(body, room).map_err(Halt::Solver)? {
+            *lift = whole;
+            return Ok(true);
+        }
+        next *= 10.0;
+    }
+    Ok(false)
+}
+
+/// How much of a step may be made.
+fn reach(body: &Body, room: &Room, search: Search) -> f64 {
+    if !search.guarded {
+        return 1.0;
+    }
+    let corners = body.corners.iter();
+    let first = corners.fold(f64::INFINITY, |least, corner| {
+        least.min(corner.first_root(&room.positions, &room.step))
+    });
+    (SHARE * first).min(1.0)
+}
+
+/// Further steps with the factor that is there, as long as each is a small part of the one before; whether they came to the end. Where they
+/// shrink, the true Hessian at the end is near enough to the positive definite one of the factor to be so itself.
+fn corrections(
+    body: &Body,
+    room: &mut Room,
+    search: Search,
+    size: f64,
+    effort: &mut Effort,
+) -> Result<bool, SolverError> {
+    let mut before = size;
+    loop {
+        slopes(body, room, search.shear, search.barrier);
+        solve(body, room, 0.0)?;
+        without_rigid(&room.positions, &mut room.step);
+        let size = largest(&room.step);
+        let ratio = size / before;
+        effort.corrections += 1;
+        if ratio.is_nan() || ratio >= SHRINKS || reach(body, room, search) < 1.0 {
+            return Ok(false);
+        }
+        advance(room, 1.0);
+        std::mem::swap(&mut room.positions, &mut room.trial);
+        // What is left is about the next step.
+        if ratio * size < 1e2 * search.tolerance * search.tolerance || size < 1e-14 {
+            return Ok(true);
+        }
+        before = size;
+    }
 }
 
 fn advance(room: &mut Room, share: f64) {

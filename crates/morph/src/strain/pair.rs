@@ -264,7 +264,7 @@ impl Pair {
         }
         for (side, positions) in [(Side::Source, &source), (Side::Target, &target)] {
             // A place whose distances overflow is none either.
-            let wild = |p: &DVec2| !(p.abs().max_element() < 1e150);
+            let wild = |p: &DVec2| p.is_nan() || p.abs().max_element() >= 1e150;
             if let Some(vertex) = positions.iter().position(wild) {
                 return Err(PairError::NotFinite { side, vertex });
             }

@@ -36,13 +36,20 @@ impl StrainSeries {
         Some(series)
     }
 
-    /// Whether each component goes one way only, but for `slack`.
+    /// Whether each component goes one way only, but for going back by `slack` in all.
     pub fn is_monotone(&self, slack: f64) -> bool {
         let components: [fn(&Strain) -> f64; 3] = [|s| s.x, |s| s.y, |s| s.shear];
         components.iter().all(|component| {
-            let values = || self.strains.iter().map(component);
-            let steps = || values().zip(values().skip(1)).map(|(a, b)| b - a);
-            steps().all(|step| step >= -slack) || steps().all(|step| step <= slack)
+            let back = |sign: f64| {
+                let (mut highest, mut back) = (f64::NEG_INFINITY, 0.0_f64);
+                for strain in &self.strains {
+                    let value = sign * component(strain);
+                    highest = highest.max(value);
+                    back = back.max(highest - value);
+                }
+                back
+            };
+            back(1.0) <= slack || back(-1.0) <= slack
         })
     }
 }

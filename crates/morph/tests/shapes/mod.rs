@@ -71,13 +71,16 @@ pub(crate) fn bent(p: DVec2, length: f64, angle: f64) -> DVec2 {
 /// A spiral of `turns` turns that uncurls to a straight strip.
 pub(crate) fn spiral(turns: f64) -> Pair {
     let (straight, elements) = strip(60, 2, 30.0, false);
-    let curled = straight.iter().map(|p| {
-        let angle = TAU * turns * p.x / 30.0;
-        let radius = 3.0 + angle / TAU * 1.6;
-        let (sin, cos) = math::sin_cos(angle);
-        dvec2(cos, sin) * (radius - (p.y - 0.5))
-    });
-    Pair::new(curled.collect(), straight, elements).unwrap()
+    let curled: Vec<DVec2> = straight
+        .iter()
+        .map(|p| {
+            let angle = TAU * turns * p.x / 30.0;
+            let radius = 3.0 + angle / TAU * 1.6;
+            let (sin, cos) = math::sin_cos(angle);
+            dvec2(cos, sin) * (radius - (p.y - 0.5))
+        })
+        .collect();
+    Pair::new(curled, straight, elements).unwrap()
 }
 
 /// A ring of so many cells around and across, with places by a function of angle (0 to 2π) and share (0 inside to 1).
