@@ -39,6 +39,11 @@ impl Way {
         rows.flat_map(|(i, &(first, last))| (first..=last).map(move |j| (i, j as usize)))
     }
 
+    /// The column in which it starts.
+    pub(super) fn start(&self) -> usize {
+        self.rows[0].0 as usize
+    }
+
     fn shifted(&self, by: usize) -> Self {
         let by = by as u32;
         Self {
@@ -53,10 +58,31 @@ const BOTH: u8 = 0;
 /// The second outline alone went on, whatever the other bits say; the lowest bit says that the first alone did.
 const SECOND: u8 = 2;
 
-/// Among so many starts or fewer the best way is bounded before it is looked for.
-const BOUNDED: usize = 256;
+/// Whether the best way among so many starts is bounded before it is looked for: among more the bound says little, and at
+/// every halving it would cost as much as looking.
+fn bounded(starts: usize) -> bool {
+    matches!(starts, 33..=64 | 9..=16)
+}
+/// Every so many samples make the coarse track, which guesses where a way starts.
+pub(super) const COARSE: usize = 4;
 /// A better way than by this share is not looked for.
 const ROUNDING: f64 = 1e-9;
+
+impl Track {
+    /// About a quarter of the samples.
+    pub(super) fn coarse(&self) -> Self {
+        let last = self.gaps.len();
+        let kept: Vec<usize> = (0..last).step_by(COARSE).chain([last]).collect();
+        Self {
+            gaps: kept
+                .windows(2)
+                .map(|pair| self.gaps[pair[0]..pair[1]].iter().sum())
+                .collect(),
+            features: kept.iter().map(|&k| self.features[k]).collect(),
+            corners: kept.iter().map(|&k| self.corners[k]).collect(),
+        }
+    }
+}
 
 /// What steps cost.
 #[derive(Debug)]
@@ -302,19 +328,19 @@ impl Lattice {
         self.between(0, None, &mut Memory::default())
     }
 
-    /// The best way around a cycle, over all starts; the first of equals.
-    pub(super) fn around(&self) -> Way {
+    /// The best way around a cycle, over all starts. `guess` is where it may start: the nearer, the fewer are looked at.
+    pub(super) fn around(&self, guess: usize) -> Way {
         let mut memory = Memory::default();
-        let first = self.between(0, None, &mut memory);
+        let first = self.between(guess, None, &mut memory);
         let last = first.shifted(self.n);
-        let mut best = (first.clone(), 0);
+        let mut best = (first.clone(), guess);
         // Starts between two whose ways are known; those next to cheaper ways first.
-        let mut ranges = vec![(0, first, self.n, last)];
+        let mut ranges = vec![(guess, first, guess + self.n, last)];
         while let Some((low, below, high, above)) = ranges.pop() {
             if high - low < 2 {
                 continue;
             }
-            if high - low <= BOUNDED {
+            if bounded(high - low) {
                 let bound = self.bound((low, &below), (high, &above), &mut memory);
                 if bound >= best.0.cost * (1.0 - ROUNDING) {
                     continue;
@@ -377,7 +403,7 @@ mod tests {
             for _ in 0..10 {
                 let (rows, columns) = (track(m, true, &mut seed), track(n, true, &mut seed));
                 let lattice = Lattice::new(&rows, &columns, 0.3, true);
-                let best = lattice.around();
+                let best = lattice.around(n / 3);
                 let mut memory = Memory::default();
                 let tried = (0..n).map(|k| lattice.between(k, None, &mut memory).cost);
                 let least = tried.fold(f64::INFINITY, f64::min);

@@ -31,7 +31,7 @@ use outline::{FEATURES, Outline, Sample};
 /// Fewest samples of an outline.
 const FEWEST: usize = 256;
 /// Most samples of an outline; time and memory grow with their square.
-const MOST: usize = 1024;
+const MOST: usize = 896;
 
 /// Two places of an outline nearer than this, in shares of its length, are one.
 pub(crate) const NEAR: f64 = 1e-9;
@@ -257,7 +257,7 @@ impl Matching {
 
 /// Matches two closed outlines.
 ///
-/// The last point of an outline is joined to its first. Up to 1024 places of each outline are looked at, the sharpest
+/// The last point of an outline is joined to its first. Up to 896 places of each outline are looked at, the sharpest
 /// vertices among them; a matching takes no longer than that allows.
 ///
 /// # Errors
@@ -437,7 +437,10 @@ impl Found {
         let (row, column) = if swapped { (1, 0) } else { (0, 1) };
         let lattice = Lattice::new(&tracks[row], &tracks[column], weights.stretching, cyclic);
         let way = if cyclic {
-            lattice.around()
+            let coarse = [row, column].map(|k| tracks[k].coarse());
+            let coarse = Lattice::new(&coarse[0], &coarse[1], weights.stretching, true);
+            let n = tracks[column].gaps.len();
+            lattice.around(coarse.around(0).start() * lattice::COARSE % n)
         } else {
             lattice.open()
         };
