@@ -40,6 +40,10 @@ pub enum ReadErrorKind {
     Companion,
     /// The nodes of a scene are no forest, or one has an impossible place.
     Scene,
+    /// A drawing has nothing with an outline.
+    NoPath,
+    /// The font has no glyph for this character.
+    Glyph(char),
 }
 
 /// Why a file could not be read: what is wrong, where, and how to mend it.

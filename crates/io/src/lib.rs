@@ -43,6 +43,8 @@ mod inspect;
 pub mod landmarks;
 mod normals;
 mod number;
+#[cfg(feature = "outlines")]
+pub mod outlines;
 mod patch;
 mod registry;
 mod text;

@@ -1,0 +1,286 @@
+//! Where frames of shapes go: an animated SVG or Lottie, pictures, a GLB, or numbered files.
+
+use super::Step;
+use super::super::frames::{Frame, Frames, Pattern};
+use crate::arguments::MorphOptions;
+use crate::error::Failure;
+use crate::files::{self, Pending};
+use anamorph_core::glam::DVec2;
+use anamorph_io::outlines::{
+    Animation as Moving, Drawing, MeshFrames, Rounding, write_polygons, write_svg,
+};
+use anamorph_preview::{Animation, AnimationFormat, Figure, Ink, Picture};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Pixels of the longer side of pictures if nothing is said.
+const SIZE: f64 = 512.0;
+
+/// The form of a single file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Svg,
+    Png,
+    Polygons,
+    Obj,
+}
+
+/// The form of the result.
+pub(super) enum Output {
+    Svg(PathBuf),
+    Lottie(PathBuf),
+    Film(PathBuf, AnimationFormat),
+    Glb(PathBuf),
+    Numbered(Pattern, Kind),
+    Single(PathBuf, Kind),
+}
+
+impl Kind {
+    fn of(extension: &str) -> Option<Self> {
+        Some(match extension {
+            "svg" => Self::Svg,
+            "png" => Self::Png,
+            "json" => Self::Polygons,
+            "obj" => Self::Obj,
+            _ => return None,
+        })
+    }
+}
+
+impl Output {
+    /// What the arguments name.
+    pub(super) fn of(options: &MorphOptions) -> Result<Self, Failure> {
+        let path = &options.output;
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let extension = extension.as_deref().unwrap_or("");
+        let forms = "shapes become an animated .svg, Lottie (.json), .gif, .apng or .glb, or numbered files such as out.%04d.svg, .png, .json \
+                     or .obj; with --at one such file";
+        let unknown = || Failure::usage(format!("{}: {forms}", files::shown_output(path)));
+        if files::is_stream(path) {
+            return Err(unknown());
+        }
+        let kind = Kind::of(extension);
+        if options.at.is_some() {
+            let kind = kind.ok_or_else(unknown)?;
+            return Ok(Self::Single(path.clone(), kind));
+        }
+        if let Some(pattern) = Pattern::find(path)? {
+            return Ok(Self::Numbered(pattern, kind.ok_or_else(unknown)?));
+        }
+        Ok(match extension {
+            "svg" => Self::Svg(path.clone()),
+            "json" => Self::Lottie(path.clone()),
+            "gif" => Self::Film(path.clone(), AnimationFormat::Gif),
+            "apng" => Self::Film(path.clone(), AnimationFormat::Apng),
+            "glb" => Self::Glb(path.clone()),
+            "png" | "obj" => {
+                return Err(Failure::usage(format!(
+                    "{}: say where the frames' numbers go, as in out.%04d.{extension}, or ask for one with --at 0.5",
+                    path.display()
+                )));
+            }
+            _ => return Err(unknown()),
+        })
+    }
+
+    /// Refuses results that exist or that are inputs.
+    pub(super) fn check(&self, options: &MorphOptions) -> Result<(), Failure> {
+        let inputs: Vec<PathBuf> = options.images.iter().map(|p| files::identity(p)).collect();
+        let refuse = |path: &Path| {
+            if inputs.contains(&files::identity(path)) {
+                return Err(Failure::usage(format!(
+                    "{}: the result would replace what it is made from; choose another name",
+                    path.display()
+                )));
+            }
+            files::refuse_existing(path, options.force)
+        };
+        match self {
+            Self::Numbered(..) => {
+                let folder = files::folder_of(&options.output);
+                if folder.is_dir() {
+                    Ok(())
+                } else {
+                    Err(Failure::new(format!(
+                        "{}: its folder does not exist; make it first",
+                        options.output.display()
+                    )))
+                }
+            }
+            Self::Svg(path)
+            | Self::Lottie(path)
+            | Self::Film(path, _)
+            | Self::Glb(path)
+            | Self::Single(path, _) => refuse(path),
+        }
+    }
+
+    /// Writes all frames.
+    pub(super) fn write(
+        &self,
+        options: &MorphOptions,
+        frames: Option<&Frames>,
+        list: &[Frame],
+        drawings: &[Drawing],
+        steps: &[Step],
+    ) -> Result<(), Failure> {
+        let rate = frames.map_or(24.0, Frames::rate);
+        let moving = Moving::new(drawings, rate);
+        match self {
+            Self::Svg(path) => put(path, options.force, |out| {
+                moving.write_svg(out).map_err(Failure::new)
+            }),
+            Self::Lottie(path) => put(path, options.force, |out| {
+                moving.write_lottie(out).map_err(Failure::new)
+            }),
+            Self::Film(path, format) => put(path, options.force, |out| {
+                let mut film = Animation::new(out, *format, drawings.len(), rate)
+                    .map_err(Failure::new)?;
+                for drawing in drawings {
+                    film.push(&picture(drawing, options)?).map_err(Failure::new)?;
+                }
+                film.finish().map_err(Failure::new)
+            }),
+            Self::Glb(path) => glb(path, options, list, steps, rate),
+            Self::Single(path, kind) => one(path, *kind, options.force, &drawings[0], options, steps, &list[0]),
+            Self::Numbered(pattern, kind) => {
+                for frame in list {
+                    files::refuse_existing(&pattern.path(frame.number), options.force)?;
+                }
+                for (frame, drawing) in list.iter().zip(drawings) {
+                    let path = pattern.path(frame.number);
+                    one(&path, *kind, options.force, drawing, options, steps, frame)?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Writes a file by what can fail for reasons of its own.
+pub(super) fn put(
+    path: &Path,
+    replace: bool,
+    content: impl FnOnce(&mut dyn Write) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let mut file = Pending::create(path, replace)?;
+    let mut result = Ok(());
+    file.fill(|out| {
+        result = content(out);
+        Ok(())
+    })?;
+    result?;
+    files::keep_all([file])
+}
+
+fn one(
+    path: &Path,
+    kind: Kind,
+    replace: bool,
+    drawing: &Drawing,
+    options: &MorphOptions,
+    steps: &[Step],
+    frame: &Frame,
+) -> Result<(), Failure> {
+    let rounding = Rounding::for_drawing(drawing);
+    put(path, replace, |out| match kind {
+        Kind::Svg => write_svg(drawing, None, out).map_err(Failure::new),
+        Kind::Polygons => write_polygons(drawing, 1e-3, rounding, out).map_err(Failure::new),
+        Kind::Png => {
+            let bytes = picture(drawing, options)?.png().map_err(Failure::new)?;
+            out.write_all(&bytes).map_err(|error| Failure::written(path, &error))
+        }
+        Kind::Obj => {
+            let (step, time) = super::moment(frame.time, steps.len());
+            let (triangles, places) = mesh(&steps[step], time)?;
+            let all = [places];
+            let frames = MeshFrames {
+                triangles: &triangles,
+                frames: &all,
+                textures: None,
+                y_down: true,
+                fill: None,
+                rate: 24.0,
+            };
+            frames.write_obj(0, rounding, out).map_err(Failure::new)
+        }
+    })
+}
+
+/// A frame as pixels on white.
+pub(super) fn picture(drawing: &Drawing, options: &MorphOptions) -> Result<Picture, Failure> {
+    let [x, y, width, height] = drawing.view();
+    let scale = options.size.unwrap_or(SIZE) / width.max(height);
+    let mut figure = Figure::new(
+        (width * scale).ceil().max(1.0),
+        (height * scale).ceil().max(1.0),
+        Ink::new(255, 255, 255),
+    );
+    for part in &drawing.parts {
+        let Some([r, g, b, opacity]) = part.fill else {
+            continue;
+        };
+        let code = |light: f64| (light.clamp(0.0, 1.0) * 255.0).round() as u8;
+        let ink = Ink {
+            rgb: [code(r), code(g), code(b)],
+            opacity,
+        };
+        let place = |p: DVec2| [(p.x - x) * scale, (p.y - y) * scale];
+        let rings: Vec<Vec<[f64; 2]>> = part
+            .contours
+            .iter()
+            .map(|contour| contour.points().map(place).collect())
+            .collect();
+        figure.region(&rings, ink);
+    }
+    figure.picture().map_err(Failure::new)
+}
+
+/// Triangles and places of all couples of a step at a time.
+fn mesh(step: &Step, t: f64) -> Result<(Vec<[u32; 3]>, Vec<DVec2>), Failure> {
+    let (mut triangles, mut places) = (Vec::new(), Vec::new());
+    for couple in step.figure.couples() {
+        let first = places.len() as u32;
+        triangles.extend(couple.mesh.triangles.iter().map(|t| t.map(|i| i + first)));
+        places.extend(couple.places(t).map_err(Failure::new)?);
+    }
+    Ok((triangles, places))
+}
+
+/// One mesh with the frames as morph targets. Chains have a mesh for each step, and cannot be one.
+fn glb(
+    path: &Path,
+    options: &MorphOptions,
+    list: &[Frame],
+    steps: &[Step],
+    rate: f64,
+) -> Result<(), Failure> {
+    let [step] = steps else {
+        return Err(Failure::usage(format!(
+            "{}: a chain has another mesh for each step; write a file for each",
+            path.display()
+        )));
+    };
+    let mut frames = Vec::new();
+    let mut triangles = Vec::new();
+    for frame in list {
+        let (corners, places) = mesh(step, frame.time)?;
+        triangles = corners;
+        frames.push(places);
+    }
+    let frames = MeshFrames {
+        triangles: &triangles,
+        frames: &frames,
+        textures: None,
+        y_down: true,
+        fill: step.fills.first().and_then(|fills| fills[0].or(fills[1])),
+        rate,
+    };
+    let mut storage = std::io::Cursor::new(Vec::new());
+    put(path, options.force, |out| {
+        frames
+            .write_glb(&mut storage, out)
+            .map(|_| ())
+            .map_err(Failure::new)
+    })
+}
