@@ -208,7 +208,7 @@ impl Contour {
 
     /// All points that describe it, those that only pull among them.
     pub fn points(&self) -> impl Iterator<Item = DVec2> + '_ {
-        let rest = self.segments.iter().flat_map(|segment| segment.points());
+        let rest = self.segments.iter().flat_map(Segment::points);
         core::iter::once(self.start).chain(rest.copied())
     }
 

@@ -4,7 +4,7 @@
 //! is a part, named after its characters. Outlines overlap where the font's do, and the rule is that of fonts, nonzero. y grows upwards
 //! from the baseline, and the em is [`FontOptions::size`] units. A character without a glyph is an error that names it.
 //!
-//! *Source*: ISO/IEC 14496-22, *Open Font Format*, 2019; outlines by `skrifa`, shaping by `harfrust` (HarfBuzz).
+//! *Source*: ISO/IEC 14496-22, *Open Font Format*, 2019; outlines by `skrifa`, shaping by `harfrust` (`HarfBuzz`).
 
 use super::drawing::{Contour, Drawing, Part, Rule, Segment};
 use crate::error::{ReadError, ReadErrorKind};

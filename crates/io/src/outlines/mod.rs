@@ -1,7 +1,7 @@
 //! Files of filled shapes: drawings, polygons and letters in; animated drawings, frames and pairs of meshes out.
 //!
 //! - [`Drawing`], [`Part`], [`Contour`]: shapes of lines and curves, one colour each, flattened by [`Contour::flatten`].
-//! - [`read`] finds the form by the content: SVG (with the feature `svg`), files of polygons, GeoJSON. `read_text` gives the outlines of a
+//! - [`read`] finds the form by the content: SVG (with the feature `svg`), files of polygons, `GeoJSON`. `read_text` gives the outlines of a
 //!   text in a font (with the feature `fonts`).
 //! - [`Animation`] writes frames as one animated SVG or as Lottie, or as single SVG drawings; [`write_polygons`] as files of polygons.
 //! - [`Pair`]: two meshes with the same triangles, and its file. [`MeshFrames`] writes in-betweens of a mesh as OBJ or as one GLB.

@@ -1,11 +1,11 @@
-//! Polygons with holes: files of our own (JSON) and GeoJSON.
+//! Polygons with holes: files of our own (JSON) and `GeoJSON`.
 //!
 //! Ours is `{name, units, y_axis, fill_rule, polygons: [{id, name, part, fill, fill_rule, outer, holes}]}`, of which only the rings have to
 //! be there; see `docs/shapes.md`. Polygons of the same `part` are one part with several outlines. Rings are read as they are, in any
 //! direction, a repeated last point left out; what they may not be (crossing, empty, outside) is the business of those who use them.
 //! Written outlines run in the positive direction of the stored coordinates (shoelace), and holes in the negative one.
 //!
-//! *Source*: H. Butler et al., *The GeoJSON Format*, RFC 7946, 2016.
+//! *Source*: H. Butler et al., *The `GeoJSON` Format*, RFC 7946, 2016.
 
 use super::drawing::{Contour, Drawing, Part, Rule};
 use super::nesting::Polygon;
@@ -59,7 +59,7 @@ fn plain(error: &serde_json::Error) -> String {
     }
 }
 
-/// Whether a JSON value is GeoJSON.
+/// Whether a JSON value is `GeoJSON`.
 pub(super) fn is_geojson(value: &Value) -> bool {
     let kind = value.get("type").and_then(Value::as_str);
     let kinds = [
@@ -256,7 +256,7 @@ pub(super) fn of_polygons(value: &Value) -> Result<Drawing, ReadError> {
     })
 }
 
-/// Reads polygons of GeoJSON: a polygon, several, a feature, or collections of these. y is latitude and grows upwards; nothing is
+/// Reads polygons of `GeoJSON`: a polygon, several, a feature, or collections of these. y is latitude and grows upwards; nothing is
 /// projected. Each polygon is a part; those of one feature share its name, and a feature of one polygon gives it its id.
 ///
 /// # Errors

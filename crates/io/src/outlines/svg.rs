@@ -357,9 +357,7 @@ fn mean(stops: &[usvg::Stop]) -> [f64; 4] {
     for (i, stop) in stops.iter().enumerate() {
         let place = |stop: &usvg::Stop| f64::from(stop.offset().get());
         let before = i.checked_sub(1).map_or(-place(stop), |i| place(&stops[i]));
-        let after = stops
-            .get(i + 1)
-            .map_or(2.0 - place(stop), |next| place(next));
+        let after = stops.get(i + 1).map_or(2.0 - place(stop), place);
         let share = 0.5 * (after - before);
         let colour = of_colour(stop.color(), f64::from(stop.opacity().get()));
         for (sum, value) in sum.iter_mut().zip(colour) {

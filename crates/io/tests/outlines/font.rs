@@ -35,7 +35,7 @@ fn glyph(points: &[(i32, i32, bool)]) -> Vec<u8> {
     };
     table.extend(steps(xs.collect()));
     table.extend(steps(ys.collect()));
-    while table.len() % 4 != 0 {
+    while !table.len().is_multiple_of(4) {
         table.push(0);
     }
     table
@@ -94,7 +94,7 @@ fn font() -> Vec<u8> {
         file.extend(tag);
         file.extend(longs(&[0, at as u32, table.len() as u32]));
         data.extend(&table);
-        while data.len() % 4 != 0 {
+        while !data.len().is_multiple_of(4) {
             data.push(0);
         }
         at = 12 + 16 * 8 + data.len();

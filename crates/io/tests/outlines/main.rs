@@ -39,7 +39,7 @@ fn damaged_drawings_are_read_as_far_as_they_go_or_refused() {
     let cut = b"<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\"><path d=\"M1 1H8V8L 3 z z\"/></svg>";
     assert_eq!(counts(&read(cut).unwrap()), [2]);
     let arcs = read(&damaged("svg-arc-degenerate.svg")).unwrap();
-    assert!(arcs.points().all(|point| point.is_finite()));
+    assert!(arcs.points().all(anamorph_core::glam::DVec2::is_finite));
     for (name, kind, says) in [
         ("polygon-nan.json", ReadErrorKind::Syntax, "line 1"),
         ("svg-empty-path.svg", ReadErrorKind::NoPath, "no path"),
