@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod shapes;
+mod bodies;
 
 use anamorph_core::glam::{DVec2, dvec2};
 use anamorph_morph::strain::{Element, Pair, Rigid, Settings, Shear, Weight, method};
+use bodies::{apart, apart_rigidly};
 use serde_json::Value;
-use shapes::{apart, apart_rigidly};
 
 fn places(value: &Value) -> Vec<DVec2> {
     let rows = value.as_array().unwrap().iter();

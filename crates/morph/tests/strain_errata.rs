@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod shapes;
+mod bodies;
 
 use anamorph_core::glam::{DMat2, DVec2, dvec2};
 use anamorph_core::math;
@@ -11,7 +11,7 @@ use anamorph_morph::strain::{
     AsRigidAsPossible, Element, Energy, Frame, FrameError, InBetween, Pair, PairError,
     PrepareError, Rigid, Settings, Shear, Side, Solver, Strain, StrainMorph, method, schemes,
 };
-use shapes::{
+use bodies::{
     Random, apart, apart_rigidly, bend, mapped, ring, ring_elements, spiral, strip, turned, wrapped,
 };
 use std::f64::consts::{PI, TAU};

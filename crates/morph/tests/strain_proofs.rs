@@ -3,14 +3,14 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod shapes;
+mod bodies;
 
 use anamorph_core::glam::{DVec2, dvec2};
 use anamorph_morph::strain::metrics::{asymmetry, measure};
 use anamorph_morph::strain::{
     Element, METHODS, Pair, Settings, Solver, StrainSeries, crossings, method, schemes, strains,
 };
-use shapes::{
+use bodies::{
     apart, apart_rigidly, bend, bent, mapped, ring, ring_elements, spiral, strip, turned,
 };
 use std::fmt::Write as _;

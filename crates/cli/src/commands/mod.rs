@@ -20,6 +20,7 @@ mod panels;
 pub(crate) mod promises;
 pub(crate) mod schema;
 pub(crate) mod sequence;
+pub(crate) mod shapes;
 pub(crate) mod shell;
 pub(crate) mod snake;
 pub(crate) mod undone;

@@ -22,7 +22,7 @@ use anamorph_core::glam::DVec2;
 use mesh::Mesh;
 
 /// Splitting ends where there are so many times as many triangles as at first.
-const MOST_GROWTH: usize = 8;
+const MOST_GROWTH: usize = 4;
 
 /// How compatible triangulations are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -188,7 +188,7 @@ fn one_way(
     mesh.split_chords();
     let counts: Vec<usize> = source.rings().map(Vec::len).collect();
     unfolding::harmonic(&mut mesh, &counts)?;
-    let most = MOST_GROWTH * mesh.triangles.len() + 10_000;
+    let most = MOST_GROWTH * mesh.triangles.len() + 1000;
     let mut rounds = 0;
     loop {
         unfolding::unfold(&mut mesh)?;

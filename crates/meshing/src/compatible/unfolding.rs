@@ -15,7 +15,9 @@ use anamorph_solvers::{Arithmetic, Factor, Pattern, SolverError, Symbolic};
 /// What the spread of areas counts beside that of angles.
 const LAMBDA: f64 = 0.1;
 /// Steps while something is folded.
-const STEPS: usize = 60;
+const STEPS: usize = 400;
+/// Steps without fewer folded triangles than ever before, after which the search ends.
+const PATIENCE: usize = 40;
 /// Steps after that.
 const POLISH: usize = 12;
 /// Largest factor.
@@ -191,8 +193,19 @@ pub(super) fn unfold(mesh: &mut Mesh) -> Result<(), SolverError> {
     let mut polish = 0;
     let (_, mut least) = energy(&elements, &mesh.target, 1.0);
     let mut trial = mesh.target.clone();
+    let (mut fewest, mut waited) = (usize::MAX, 0);
     for _ in 0..STEPS + POLISH {
         let unfolded = least > 0.0;
+        if !unfolded {
+            let folded = mesh.folded().len();
+            waited += 1;
+            if folded < fewest {
+                (fewest, waited) = (folded, 0);
+            }
+            if waited > PATIENCE {
+                break;
+            }
+        }
         if unfolded {
             polish += 1;
             if polish > POLISH {
@@ -281,7 +294,8 @@ pub(super) fn unfold(mesh: &mut Mesh) -> Result<(), SolverError> {
             if falls && (!unfolded || lowest > 0.0) {
                 core::mem::swap(&mut mesh.target, &mut trial);
                 least = lowest;
-                moved = (before - after) > 1e-5 * before;
+                // What is folded may have to creep.
+                moved = !unfolded || (before - after) > 1e-5 * before;
                 break;
             }
             length *= 0.5;

@@ -9,7 +9,7 @@
 //! errata S6 and S10. How parts share partners and how large specks are is decided here.
 
 use crate::matching::{Anchor, Consistent, MatchError, Thinning, Weights, match_outlines};
-use crate::shapes::{PartPairing, Part, Pieces, area, centroid, clearance, pair_holes, pair_parts};
+use crate::shapes::{Part, PartPairing, Pieces, area, centroid, clearance, pair_holes, pair_parts};
 use crate::strain::{Element, FrameError, InBetween, Method, PairError, PrepareError, Settings};
 use anamorph_core::glam::DVec2;
 use anamorph_meshing::compatible::{
@@ -138,7 +138,9 @@ fn speck(ring: &[DVec2], at: DVec2, size: f64) -> Vec<DVec2> {
 fn cut(consistent: &mut Consistent, longest: f64) {
     let count = consistent.source.len();
     let length = |ring: &[DVec2]| -> f64 {
-        (0..count).map(|i| ring[i].distance(ring[(i + 1) % count])).sum()
+        (0..count)
+            .map(|i| ring[i].distance(ring[(i + 1) % count]))
+            .sum()
     };
     let lengths = [length(&consistent.source), length(&consistent.target)];
     let (mut source, mut target) = (Vec::new(), Vec::new());
@@ -193,13 +195,17 @@ fn matched(
     for opening in &holes.closing {
         let ring = &source.holes[opening.hole];
         specks[1].push(regions[1].holes.len() + 1);
-        regions[1].holes.push(speck(ring, opening.at, size(target, opening.at)));
+        regions[1]
+            .holes
+            .push(speck(ring, opening.at, size(target, opening.at)));
         regions[0].holes.push(ring.clone());
     }
     for opening in &holes.opening {
         let ring = &target.holes[opening.hole];
         specks[0].push(regions[0].holes.len() + 1);
-        regions[0].holes.push(speck(ring, opening.at, size(source, opening.at)));
+        regions[0]
+            .holes
+            .push(speck(ring, opening.at, size(source, opening.at)));
         regions[1].holes.push(ring.clone());
     }
     regions[0].outer = outer.source;
@@ -240,10 +246,18 @@ impl Figure {
                     ends.push((Some(source), Some(target), DVec2::ZERO));
                 }
                 PartPairing::Split { source, targets } => {
-                    ends.extend(targets.iter().map(|t| (Some(source), Some(*t), DVec2::ZERO)));
+                    ends.extend(
+                        targets
+                            .iter()
+                            .map(|t| (Some(source), Some(*t), DVec2::ZERO)),
+                    );
                 }
                 PartPairing::Merge { sources, target } => {
-                    ends.extend(sources.iter().map(|s| (Some(*s), Some(target), DVec2::ZERO)));
+                    ends.extend(
+                        sources
+                            .iter()
+                            .map(|s| (Some(*s), Some(target), DVec2::ZERO)),
+                    );
                 }
                 PartPairing::Grow { target, from } => ends.push((None, Some(target), from)),
                 PartPairing::Shrink { source, to } => ends.push((Some(source), None, to)),

@@ -4,7 +4,7 @@ use crate::arguments::MorphOptions;
 use crate::error::Failure;
 use crate::files;
 use anamorph_core::glam::DVec2;
-use anamorph_io::images::{ImageFile, ImageLimits};
+use anamorph_io::images::{ImageFile, ImageFormat, ImageLimits};
 use anamorph_io::outlines::{self, Drawing, Fill, FontOptions, Rule};
 use anamorph_morph::matching::{Anchor, AnchorPlace};
 use anamorph_morph::shapes::{FillRule, Part, Ring, Shape};
@@ -42,9 +42,15 @@ pub(super) fn is_shape(path: &Path) -> bool {
     outlines::is_font(&head)
         || (text.starts_with('<') && text.contains("<svg"))
         || (text.starts_with('{')
-            && ["\"polygons\"", "\"Polygon\"", "\"MultiPolygon\"", "\"Feature\"", "\"FeatureCollection\""]
-                .iter()
-                .any(|word| text.contains(word)))
+            && [
+                "\"polygons\"",
+                "\"Polygon\"",
+                "\"MultiPolygon\"",
+                "\"Feature\"",
+                "\"FeatureCollection\"",
+            ]
+            .iter()
+            .any(|word| text.contains(word)))
 }
 
 /// Reads all inputs, and lays them on one sheet.
@@ -87,7 +93,7 @@ impl Input {
         let failed = |error: &dyn std::fmt::Display| Failure::new(format!("{shown}: {error}"));
         let drawing = match text {
             Some(text) => outlines::read_text(&bytes, text, &FontOptions::default()),
-            None if options.silhouette && ImageFile::is_image(&bytes) => {
+            None if options.silhouette && ImageFormat::of_content(&bytes).is_some() => {
                 return Self::silhouette(&bytes, &shown, options);
             }
             None => outlines::read(&bytes),
@@ -103,7 +109,11 @@ impl Input {
         })
     }
 
-    fn of_drawing(name: String, drawing: &Drawing, options: &MorphOptions) -> Result<Self, Failure> {
+    fn of_drawing(
+        name: String,
+        drawing: &Drawing,
+        options: &MorphOptions,
+    ) -> Result<Self, Failure> {
         let view = drawing.view();
         let tolerance = options
             .tolerance
@@ -182,7 +192,8 @@ impl Input {
     /// The outline of what is opaque in an image, or dark where it has no alpha.
     fn silhouette(bytes: &[u8], shown: &str, options: &MorphOptions) -> Result<Self, Failure> {
         let failed = |error: &dyn std::fmt::Display| Failure::new(format!("{shown}: {error}"));
-        let image = ImageFile::read(bytes, ImageLimits::default()).map_err(|e| failed(&e))?;
+        let image =
+            ImageFile::read(bytes, ImageLimits::of_file(bytes.len())).map_err(|e| failed(&e))?;
         let raster = image.colours().map_err(|e| failed(&e))?;
         let drawing = super::sheets::outline(&raster).map_err(|e| failed(&e))?;
         Self::of_drawing(shown.to_owned(), &drawing, options).map_err(|error| match error {
@@ -225,7 +236,11 @@ pub(super) fn anchors(options: &MorphOptions, inputs: usize) -> Result<Vec<Vec<A
             "--anchors: {inputs} shapes are {steps} steps; give a file for each"
         )));
     }
-    options.anchors.iter().map(|path| anchors_of(path)).collect()
+    options
+        .anchors
+        .iter()
+        .map(|path| anchors_of(path))
+        .collect()
 }
 
 fn anchors_of(path: &Path) -> Result<Vec<Anchor>, Failure> {
@@ -233,9 +248,9 @@ fn anchors_of(path: &Path) -> Result<Vec<Anchor>, Failure> {
     let failed = |what: String| Failure::new(format!("{shown}: {what}"));
     let bytes = files::read(path)?;
     let text = std::str::from_utf8(&bytes).map_err(|error| failed(error.to_string()))?;
-    let table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
-        failed(error.to_string())
-    })?;
+    let table: toml::Table = text
+        .parse()
+        .map_err(|error: toml::de::Error| failed(error.to_string()))?;
     let mut anchors = Vec::new();
     for (key, _) in table.iter().filter(|(key, _)| *key != "anchor") {
         return Err(failed(format!(

@@ -13,6 +13,7 @@ use crate::error::{Failure, say};
 use crate::files;
 use crate::progress::Progress;
 use anamorph_core::glam::DVec2;
+use anamorph_curves::eases::Ease;
 use anamorph_io::outlines::{Drawing, Fill, Part, Rule, mix_fill};
 use anamorph_morph::figures::{Figure, FigureOptions};
 use anamorph_morph::strain::{self, Settings};
@@ -69,10 +70,13 @@ fn morph(options: &MorphOptions) -> Result<(), Failure> {
     };
     let mut steps = Vec::new();
     for (number, ends) in inputs.windows(2).enumerate() {
-        let figure = Figure::new(&ends[0].parts, &ends[1].parts, &method, &figure_options(number))
-            .map_err(|error| {
-                Failure::new(format!("{} and {}: {error}", ends[0].name, ends[1].name))
-            })?;
+        let figure = Figure::new(
+            &ends[0].parts,
+            &ends[1].parts,
+            &method,
+            &figure_options(number),
+        )
+        .map_err(|error| Failure::new(format!("{} and {}: {error}", ends[0].name, ends[1].name)))?;
         let fill = |input: &Input, part: Option<usize>| part.and_then(|i| input.fills[i]);
         let fills = figure
             .couples()
@@ -105,7 +109,7 @@ fn morph(options: &MorphOptions) -> Result<(), Failure> {
         .par_iter()
         .map(|frame| {
             let (step, time) = moment(frame.time, count);
-            let drawing = steps[step].draw(ease.at(time), view, most);
+            let drawing = steps[step].draw(ease.value(time), view, most);
             progress.add(1);
             drawing.map_err(|error| {
                 Failure::new(format!(
@@ -134,14 +138,21 @@ fn morph(options: &MorphOptions) -> Result<(), Failure> {
 /// Says what was made.
 fn say_result(options: &MorphOptions, inputs: &[Input], steps: &[Step], frames: usize) {
     let names: Vec<&str> = inputs.iter().map(|input| input.name.as_str()).collect();
-    say!("{} -> {}", names.join(" -> "), files::shown_output(&options.output));
+    say!(
+        "{} -> {}",
+        names.join(" -> "),
+        files::shown_output(&options.output)
+    );
     for (number, step) in steps.iter().enumerate() {
         let couples = step.figure.couples();
         let triangles: usize = couples.iter().map(|c| c.mesh.triangles.len()).sum();
         let parts = couples.len();
         let method = couples.first().map_or("", |c| c.between().name());
         let one = if parts == 1 { "part" } else { "parts" };
-        say!("  step {}: {parts} {one}, {triangles} triangles, {method}", number + 1);
+        say!(
+            "  step {}: {parts} {one}, {triangles} triangles, {method}",
+            number + 1
+        );
     }
     for input in inputs {
         for note in &input.notes {
@@ -200,6 +211,12 @@ impl Step {
             parts: vec![Part::default(); parts],
             ..Drawing::default()
         };
+        // What is not seen yet, or any more, has a fill all the same: it is the same part in all frames.
+        for (part, [a, b]) in drawing.parts.iter_mut().zip(&self.fills) {
+            part.fill = a
+                .or(*b)
+                .map(|[red, green, blue, _]| [red, green, blue, 0.0]);
+        }
         for piece in self.figure.at(t)? {
             let [a, b] = self.fills[piece.couple];
             let mut part = Part::of_rings("", mix_fill(a, b, t), piece.rings);

@@ -1,7 +1,7 @@
 //! Where frames of shapes go: an animated SVG or Lottie, pictures, a GLB, or numbered files.
 
-use super::Step;
 use super::super::frames::{Frame, Frames, Pattern};
+use super::Step;
 use crate::arguments::MorphOptions;
 use crate::error::Failure;
 use crate::files::{self, Pending};
@@ -134,15 +134,24 @@ impl Output {
                 moving.write_lottie(out).map_err(Failure::new)
             }),
             Self::Film(path, format) => put(path, options.force, |out| {
-                let mut film = Animation::new(out, *format, drawings.len(), rate)
-                    .map_err(Failure::new)?;
+                let mut film =
+                    Animation::new(out, *format, drawings.len(), rate).map_err(Failure::new)?;
                 for drawing in drawings {
-                    film.push(&picture(drawing, options)?).map_err(Failure::new)?;
+                    film.push(&picture(drawing, options)?)
+                        .map_err(Failure::new)?;
                 }
                 film.finish().map_err(Failure::new)
             }),
             Self::Glb(path) => glb(path, options, list, steps, rate),
-            Self::Single(path, kind) => one(path, *kind, options.force, &drawings[0], options, steps, &list[0]),
+            Self::Single(path, kind) => one(
+                path,
+                *kind,
+                options.force,
+                &drawings[0],
+                options,
+                steps,
+                &list[0],
+            ),
             Self::Numbered(pattern, kind) => {
                 for frame in list {
                     files::refuse_existing(&pattern.path(frame.number), options.force)?;
@@ -188,7 +197,8 @@ fn one(
         Kind::Polygons => write_polygons(drawing, 1e-3, rounding, out).map_err(Failure::new),
         Kind::Png => {
             let bytes = picture(drawing, options)?.png().map_err(Failure::new)?;
-            out.write_all(&bytes).map_err(|error| Failure::written(path, &error))
+            out.write_all(&bytes)
+                .map_err(|error| Failure::written(path, &error))
         }
         Kind::Obj => {
             let (step, time) = super::moment(frame.time, steps.len());
@@ -202,7 +212,8 @@ fn one(
                 fill: None,
                 rate: 24.0,
             };
-            frames.write_obj(0, rounding, out).map_err(Failure::new)
+            let written = frames.write_obj(0, rounding, out);
+            written.map(|_| ()).map_err(Failure::new)
         }
     })
 }

@@ -7,7 +7,7 @@ use crate::arguments::MorphOptions;
 use crate::error::{Failure, say};
 use anamorph_core::glam::DVec2;
 use anamorph_io::outlines::{Drawing, Part, Rule};
-use anamorph_morph::silhouette;
+use anamorph_morph::silhouette::{Measure, SilhouetteError, SilhouetteOptions, silhouette};
 use anamorph_morph::strain::{METHODS, Settings, metrics};
 use anamorph_preview::{Figure, Ink};
 use anamorph_raster::Raster;
@@ -18,8 +18,21 @@ use std::path::Path;
 const TIMES: usize = 20;
 
 /// The outline of what is opaque in an image, or dark where it has no alpha.
-pub(super) fn outline(raster: &Raster) -> Result<Drawing, silhouette::SilhouetteError> {
-    let rings = silhouette::outlines(raster, &silhouette::SilhouetteOptions::default())?;
+pub(super) fn outline(raster: &Raster) -> Result<Drawing, SilhouetteError> {
+    let channels = raster.channels();
+    let options = SilhouetteOptions {
+        measure: if matches!(channels, 2 | 4) {
+            Measure::Channel(channels - 1)
+        } else {
+            Measure::Darkness
+        },
+        ..SilhouetteOptions::default()
+    };
+    let regions = silhouette(raster, &options)?;
+    let rings = regions.into_iter().flat_map(|region| {
+        let outer = core::iter::once(region.outer);
+        outer.chain(region.holes)
+    });
     let mut part = Part::of_rings("", None, rings);
     part.rule = Rule::EvenOdd;
     Ok(Drawing {
@@ -162,7 +175,11 @@ pub(super) fn matching(
                     .mesh
                     .rings
                     .iter()
-                    .map(|ring| ring.iter().map(|&i| place(side, points[i as usize])).collect())
+                    .map(|ring| {
+                        ring.iter()
+                            .map(|&i| place(side, points[i as usize]))
+                            .collect()
+                    })
                     .collect();
                 figure.region(&rings, grey);
                 for mut ring in rings {
@@ -184,7 +201,9 @@ pub(super) fn matching(
             }
         }
     }
-    let is_svg = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg"));
+    let is_svg = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("svg"));
     let bytes = if is_svg {
         figure.svg("what becomes what").into_bytes()
     } else {
@@ -192,6 +211,7 @@ pub(super) fn matching(
         picture.png().map_err(Failure::new)?
     };
     put(path, options.force, |out| {
-        out.write_all(&bytes).map_err(|error| Failure::written(path, &error))
+        out.write_all(&bytes)
+            .map_err(|error| Failure::written(path, &error))
     })
 }
