@@ -3,7 +3,7 @@
 //! Each pair of regions gets outlines of equally many points ([`crate::matching`]), one triangulation of both
 //! ([`anamorph_meshing::compatible`]) and in-betweens ([`crate::strain`]). A hole without a partner becomes a speck where the other region
 //! has room for it; a part without one comes from a speck, or shares its partner with others, as [`Pieces`] says. Specks are not
-//! shown at the ends: there the regions are those that were given.
+//! shown at the ends: there the outlines are those that were given, to within the simplification.
 //!
 //! *Source*: H.-B. Yan, S.-M. Hu and R. Martin, *Morphing based on strain field interpolation*, Computer Animation and Virtual Worlds 15, 2004;
 //! errata S6 and S10. How parts share partners and how large specks are is decided here.
@@ -29,6 +29,9 @@ pub struct FigureOptions {
     pub weights: Weights,
     /// Which points outlines get.
     pub thinning: Thinning,
+    /// Points are dropped that leave both outlines where they are to within this share of the region's size: short edges make bad
+    /// triangles, and slow and uneven in-betweens. 0 keeps all.
+    pub simplification: f64,
     /// Edges longer than this share of an outline's length are cut, so that they can bend; infinite for none.
     pub longest_edge: f64,
     /// What becomes of parts without a partner.
@@ -50,6 +53,7 @@ impl Default for FigureOptions {
                 ..Weights::default()
             },
             thinning: Thinning::default(),
+            simplification: 1e-3,
             longest_edge: 1.0 / 40.0,
             pieces: Pieces::default(),
             anchors: Vec::new(),
@@ -134,6 +138,56 @@ fn speck(ring: &[DVec2], at: DVec2, size: f64) -> Vec<DVec2> {
     ring.iter().map(|p| at + (*p - middle) * scale).collect()
 }
 
+/// Points of a pair of outlines that are kept when those are dropped that are near to the straight line between their neighbours in both
+/// (Douglas and Peucker 1973, in four dimensions).
+fn simplified(consistent: &Consistent, nearness: [f64; 2]) -> Consistent {
+    let count = consistent.source.len();
+    let rings = [&consistent.source, &consistent.target];
+    // From the point that is farthest from the first, so that neither is dropped.
+    let far = |i: usize| {
+        let distance = |k: usize| rings[k][i].distance_squared(rings[k][0]) / nearness[k];
+        distance(0).max(distance(1))
+    };
+    let farthest = (0..count).max_by(|a, b| far(*a).total_cmp(&far(*b)));
+    let mut kept = vec![false; count + 1];
+    let mut todo = Vec::new();
+    if let Some(farthest) = farthest.filter(|far| *far > 0) {
+        (kept[0], kept[farthest], kept[count]) = (true, true, true);
+        todo.extend([(0, farthest), (farthest, count)]);
+    }
+    while let Some((first, last)) = todo.pop() {
+        let off = |i: usize| {
+            let distance = |k: usize| {
+                let (a, b) = (rings[k][first], rings[k][last % count]);
+                // At the same share of the way in both, as it will be when it moves.
+                let way = b - a;
+                let share = (rings[k][i] - a).dot(way) / way.length_squared();
+                let share = if share.is_nan() {
+                    0.0
+                } else {
+                    share.clamp(0.0, 1.0)
+                };
+                rings[k][i].distance(a + way * share) / nearness[k]
+            };
+            distance(0).max(distance(1))
+        };
+        let worst = (first + 1..last).max_by(|a, b| off(*a).total_cmp(&off(*b)));
+        if let Some(worst) = worst.filter(|worst| off(*worst) > 1.0) {
+            kept[worst] = true;
+            todo.extend([(first, worst), (worst, last)]);
+        }
+    }
+    let choose = |ring: &[DVec2]| -> Vec<DVec2> {
+        let points = ring.iter().zip(&kept);
+        points.filter(|(_, kept)| **kept).map(|(p, _)| *p).collect()
+    };
+    Consistent {
+        source: choose(&consistent.source),
+        target: choose(&consistent.target),
+        places: Vec::new(),
+    }
+}
+
 /// Cuts edges that are longer in either outline than a share of it.
 fn cut(consistent: &mut Consistent, longest: f64) {
     let count = consistent.source.len();
@@ -171,9 +225,40 @@ fn matched(
     anchors: &[Anchor],
     options: &FigureOptions,
 ) -> Result<Matched, MatchError> {
+    let few = with_points(
+        source,
+        target,
+        anchors,
+        options,
+        options.simplification > 0.0,
+    )?;
+    // Dropping points can make outlines touch; then all are kept.
+    if few.regions.iter().all(|region| region.check().is_ok()) {
+        return Ok(few);
+    }
+    with_points(source, target, anchors, options, false)
+}
+
+fn with_points(
+    source: &Region,
+    target: &Region,
+    anchors: &[Anchor],
+    options: &FigureOptions,
+    simplify: bool,
+) -> Result<Matched, MatchError> {
+    let nearness = [source, target].map(|region| {
+        let size = region.area().abs().sqrt();
+        (options.simplification * size).max(f64::MIN_POSITIVE)
+    });
     let rings = |a: &[DVec2], b: &[DVec2], anchors: &[Anchor]| {
         let found = match_outlines(a, b, anchors, &options.weights)?;
         let mut consistent = found.consistent(a, b, &options.thinning)?;
+        if simplify {
+            let fewer = simplified(&consistent, nearness);
+            if fewer.source.len() >= 3 {
+                consistent = fewer;
+            }
+        }
         if options.longest_edge.is_finite() {
             cut(&mut consistent, options.longest_edge.max(1e-4));
         }
