@@ -285,9 +285,19 @@ pub(crate) fn projected(body: &Body, room: &mut Room, search: Search) -> Result<
     let mut effort = Effort::default();
     let mut before = f64::INFINITY;
     let (mut crawled, mut lift) = (0, 1e-4);
-    for _ in 0..MOST_STEPS {
+    for number in 0..MOST_STEPS {
         level(body, &mut room.positions);
-        let energy_here = assemble(body, room, search, Curvature::True);
+        let smooth = number == 0;
+        let energy_here = assemble(
+            body,
+            room,
+            search,
+            if smooth {
+                Curvature::Smooth
+            } else {
+                Curvature::True
+            },
+        );
         if !energy_here.is_finite() {
             return Err(Halt::Stalled);
         }
@@ -307,7 +317,12 @@ pub(crate) fn projected(body: &Body, room: &mut Room, search: Search) -> Result<
         effort.steps += 1;
         let size = largest(&room.step);
         let mut share = reach(body, room, search);
-        let near = size < if whole { search.tolerance } else { 1e-10 };
+        let near = size
+            < if whole && !smooth {
+                search.tolerance
+            } else {
+                1e-10
+            };
         if near && share == 1.0 {
             advance(room, 1.0);
             std::mem::swap(&mut room.positions, &mut room.trial);
