@@ -43,6 +43,8 @@ pub(crate) struct BlockRoom {
     head: Vec<usize>,
     reach: Vec<usize>,
     right: Vec<f64>,
+    /// Of the rows of a block.
+    gathered: Vec<f64>,
 }
 
 // Rows and entries of patterns fit 31 bits.
@@ -295,6 +297,12 @@ impl Blocks {
         self.value_starts.last().copied().unwrap_or(0)
     }
 
+    /// The most rows of a block.
+    fn tallest(&self) -> usize {
+        let pairs = self.row_starts.iter().zip(self.row_starts.iter().skip(1));
+        pairs.map(|(from, to)| to - from).max().unwrap_or(0)
+    }
+
     /// Room for the work on a factor.
     pub(crate) fn room(&self) -> BlockRoom {
         let (size, count) = (self.order.len(), self.first.len() - 1);
@@ -305,6 +313,7 @@ impl Blocks {
             head: vec![NONE; count],
             reach: vec![0; count],
             right: vec![0.0; size],
+            gathered: vec![0.0; self.tallest()],
         }
     }
 
@@ -381,22 +390,33 @@ impl Blocks {
         let count = self.first.len() - 1;
         for block in 0..count {
             let (rows, panel, first) = self.block(block, values);
-            for (column, list) in panel.chunks_exact(rows.len()).enumerate() {
-                let value = x[first + column] / list[column];
-                x[first + column] = value;
-                for (entry, &row) in list.iter().zip(rows).skip(column + 1) {
-                    x[row as usize] -= entry * value;
+            let columns = panel.len() / rows.len();
+            let (own, below) = x[first..].split_at_mut(columns);
+            let list = &mut room.gathered[..rows.len()];
+            list.fill(0.0);
+            for (column, entries) in panel.chunks_exact(rows.len()).enumerate() {
+                let value = (own[column] - list[column]) / entries[column];
+                own[column] = value;
+                let after = list[column + 1..].iter_mut().zip(&entries[column + 1..]);
+                for (sum, entry) in after {
+                    *sum += entry * value;
                 }
+            }
+            let end = first + columns;
+            for (sum, &row) in list[columns..].iter().zip(&rows[columns..]) {
+                below[row as usize - end] -= sum;
             }
         }
         for block in (0..count).rev() {
             let (rows, panel, first) = self.block(block, values);
-            for (column, list) in panel.chunks_exact(rows.len()).enumerate().rev() {
-                let mut value = x[first + column];
-                for (entry, &row) in list.iter().zip(rows).skip(column + 1) {
-                    value -= entry * x[row as usize];
-                }
-                x[first + column] = value / list[column];
+            let list = &mut room.gathered[..rows.len()];
+            for (value, &row) in list.iter_mut().zip(rows) {
+                *value = x[row as usize];
+            }
+            for (column, entries) in panel.chunks_exact(rows.len()).enumerate().rev() {
+                let rest = list[column] - dot(&entries[column + 1..], &list[column + 1..]);
+                list[column] = rest / entries[column];
+                x[first + column] = list[column];
             }
         }
         for (x, &row) in x.iter().zip(&self.order) {
@@ -415,6 +435,20 @@ impl Blocks {
 
 /// Rows that are worked on together.
 const RUN: usize = 8;
+
+/// A scalar product, summed in as many lanes as are worked on together.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; RUN];
+    let (mut first, mut second) = (a.chunks_exact(RUN), b.chunks_exact(RUN));
+    for (a, b) in (&mut first).zip(&mut second) {
+        for k in 0..RUN {
+            lanes[k] += a[k] * b[k];
+        }
+    }
+    let rest = first.remainder().iter().zip(second.remainder());
+    let sum: f64 = lanes.iter().sum();
+    rest.fold(sum, |sum, (a, b)| sum + a * b)
+}
 
 /// `A Bᵀ`, where `A` has the rows from `from` of a panel and `B` the first `width` of these; what is above the diagonal may be left out.
 fn multiply(panel: &[f64], height: usize, from: usize, width: usize, product: &mut [f64]) {

@@ -6,7 +6,7 @@
 //! *Source*: P. R. Amestoy, T. A. Davis, I. S. Duff, *An Approximate Minimum Degree Ordering Algorithm*, SIAM J. Matrix Anal. Appl. 17,
 //! 1996; T. A. Davis, *Direct Methods for Sparse Linear Systems*, SIAM 2006, ch. 4; both as the crate `faer` has them. Its supernodal
 //! factors multiply dense blocks with whatever instructions the processor has, so that last digits differ between processors; its simplicial ones
-//! are plain products and differences. Which of the two is the caller's choice ([`Arithmetic`]).
+//! are plain products and differences, and so are the blocks of this crate. Which of them is the caller's choice ([`Arithmetic`]).
 
 use crate::SolverError;
 use crate::blocks::{BlockRoom, Blocks};
