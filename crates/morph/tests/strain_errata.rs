@@ -12,7 +12,8 @@ use anamorph_morph::strain::{
     PrepareError, Rigid, Settings, Shear, Side, Solver, Strain, StrainMorph, method, schemes,
 };
 use bodies::{
-    Random, apart, apart_rigidly, bend, mapped, ring, ring_elements, spiral, strip, turned, wrapped,
+    Random, apart, apart_rigidly, bend, hard, mapped, ring, ring_elements, spiral, strip, turned,
+    wrapped,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -218,12 +219,8 @@ fn s5_compression_makes_the_hessian_indefinite() {
         least = least.min(dot(&hessian, &x));
     }
     assert!(least < 0.0, "{least}");
-    // A ring that is drawn in: there are steps with an indefinite Hessian, and frames all the same.
-    let source = ring(24, 3, |a, s| dvec2(a.cos(), a.sin()) * (1.0 + s));
-    let target = ring(24, 3, |a, s| {
-        dvec2(a.cos(), a.sin()) * (0.05 + s * (1.0 + 0.6 * (3.0 * a).cos()))
-    });
-    let pair = Pair::new(source, target, ring_elements(24, 3)).unwrap();
+    // A ring that becomes a star: there are steps with an indefinite Hessian, and frames all the same.
+    let pair = hard();
     let morph = method("linear")
         .unwrap()
         .prepare(&pair, &Settings::default())

@@ -10,9 +10,7 @@ use anamorph_morph::strain::metrics::{asymmetry, measure};
 use anamorph_morph::strain::{
     Element, METHODS, Pair, Settings, Solver, StrainSeries, crossings, method, schemes, strains,
 };
-use bodies::{
-    apart, apart_rigidly, bend, bent, mapped, ring, ring_elements, spiral, strip, turned,
-};
+use bodies::{apart, apart_rigidly, bend, bent, hard, mapped, spiral, strip, turned};
 use std::fmt::Write as _;
 
 const SCHEMES: [&str; 4] = ["indifferent", "linear", "modified", "log"];
@@ -209,26 +207,13 @@ fn d3_the_solvers_meet_in_the_same_minimum() {
             for t in [0.1, 0.5, 0.77] {
                 let frames: Vec<_> = prepared.iter().map(|m| m.at(t).unwrap()).collect();
                 for frame in &frames {
-                    assert!(frame.solution.residual < 1e-11, "{:?}", frame.solution);
+                    assert!(frame.solution.residual < 1e-10, "{:?}", frame.solution);
                     let off = apart(&frame.positions, &frames[0].positions);
                     assert!(off < 1e-8, "{name}, {quads}, {t}: {off:e}");
                 }
             }
         }
     }
-}
-
-/// A ring whose hole moves about and whose outside becomes a star, all of it turned: much compression.
-fn hard() -> Pair {
-    let source = ring(40, 4, |angle, share| {
-        dvec2(angle.cos(), angle.sin()) * (0.3 + 0.7 * share)
-    });
-    let target = ring(40, 4, |angle, share| {
-        let star = 1.0 + 0.55 * (5.0 * angle).cos();
-        let turned = angle + 2.4;
-        dvec2(turned.cos(), turned.sin()) * (0.1 + share * (star - 0.1)) * 2.0
-    });
-    Pair::new(source, target, ring_elements(40, 4)).unwrap()
 }
 
 #[test]

@@ -6,9 +6,10 @@
 //! *Source*: P. R. Amestoy, T. A. Davis, I. S. Duff, *An Approximate Minimum Degree Ordering Algorithm*, SIAM J. Matrix Anal. Appl. 17,
 //! 1996; T. A. Davis, *Direct Methods for Sparse Linear Systems*, SIAM 2006, ch. 4; both as the crate `faer` has them. Its supernodal
 //! factors multiply dense blocks with whatever instructions the processor has, so that last digits differ between processors; its simplicial ones
-//! are plain products and differences. Which of the two is the caller's choice ([`Arithmetic`]).
+//! are plain products and differences, and so are the blocks of this crate. Which of them is the caller's choice ([`Arithmetic`]).
 
 use crate::SolverError;
+use crate::blocks::{BlockRoom, Blocks};
 use crate::pattern::{Pattern, check_count};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
@@ -28,6 +29,8 @@ use std::sync::Arc;
 pub enum Arithmetic {
     /// The same on every processor.
     Reproducible,
+    /// The same on every processor, by dense blocks: faster for matrices of meshes, where neighbouring columns of the factor are alike.
+    Blocks,
     /// Whatever is fastest here; several times faster where the factor is dense in places, and last digits may depend on the processor.
     Fastest,
 }
@@ -41,7 +44,13 @@ pub struct Symbolic {
 #[derive(Debug)]
 struct Shared {
     pattern: Pattern,
-    factor: SymbolicCholesky<u32>,
+    kind: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Library(SymbolicCholesky<u32>),
+    Blocks(Blocks),
 }
 
 fn columns(pattern: &Pattern) -> SymbolicSparseColMatRef<'_, u32> {
@@ -88,10 +97,16 @@ impl Symbolic {
                 most: most_entries.min(i32::MAX as usize),
             });
         }
+        if arithmetic == Arithmetic::Blocks {
+            let kind = Kind::Blocks(Blocks::of(&pattern, &order));
+            return Ok(Self {
+                shared: Arc::new(Shared { pattern, kind }),
+            });
+        }
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: match arithmetic {
                 Arithmetic::Reproducible => SupernodalThreshold::FORCE_SIMPLICIAL,
-                Arithmetic::Fastest => SupernodalThreshold::AUTO,
+                Arithmetic::Fastest | Arithmetic::Blocks => SupernodalThreshold::AUTO,
             },
             ..CholeskySymbolicParams::default()
         };
@@ -102,7 +117,8 @@ impl Symbolic {
             params,
         )
         .map_err(|_| SolverError::OutOfMemory)?;
-        let shared = Arc::new(Shared { pattern, factor });
+        let kind = Kind::Library(factor);
+        let shared = Arc::new(Shared { pattern, kind });
         Ok(Self { shared })
     }
 
@@ -113,7 +129,10 @@ impl Symbolic {
 
     /// Entries of the factor.
     pub fn entries(&self) -> usize {
-        self.shared.factor.len_val()
+        match &self.shared.kind {
+            Kind::Library(factor) => factor.len_val(),
+            Kind::Blocks(blocks) => blocks.len(),
+        }
     }
 }
 
@@ -122,6 +141,7 @@ pub struct Factor {
     symbolic: Symbolic,
     values: Vec<f64>,
     memory: MemBuffer,
+    room: BlockRoom,
     /// Whether `values` are those of a matrix.
     whole: bool,
 }
@@ -133,11 +153,16 @@ impl Factor {
     /// [`SolverError`] for a list of the wrong length, values that are not finite, and a matrix that is not positive definite.
     pub fn of(symbolic: Symbolic, values: &[f64]) -> Result<Self, SolverError> {
         let shared = &symbolic.shared;
-        let factor = shared
-            .factor
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let solve = shared.factor.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let memory = buffer(factor.or(solve))?;
+        let (memory, work) = match &shared.kind {
+            Kind::Library(factor) => {
+                let solve = factor.solve_in_place_scratch::<f64>(1, Par::Seq);
+                let factor =
+                    factor.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+                (factor.or(solve), BlockRoom::default())
+            }
+            Kind::Blocks(blocks) => (faer::dyn_stack::StackReq::EMPTY, blocks.room()),
+        };
+        let memory = buffer(memory)?;
         let mut room = Vec::new();
         room.try_reserve_exact(symbolic.entries())
             .map_err(|_| SolverError::OutOfMemory)?;
@@ -146,6 +171,7 @@ impl Factor {
             symbolic,
             values: room,
             memory,
+            room: work,
             whole: false,
         };
         factor.renew(values)?;
@@ -158,12 +184,22 @@ impl Factor {
     /// As [`Factor::of`].
     pub fn renew(&mut self, values: &[f64]) -> Result<(), SolverError> {
         self.whole = false;
-        let Shared { pattern, factor } = &*self.symbolic.shared;
+        let Shared { pattern, kind } = &*self.symbolic.shared;
         check_count("values", values, pattern.len())?;
         let wild = pattern.entries().zip(values).find(|(_, v)| !v.is_finite());
         if let Some(((column, row), _)) = wild {
             return Err(SolverError::NotFinite { row, column });
         }
+        let factor = match kind {
+            Kind::Library(factor) => factor,
+            Kind::Blocks(blocks) => {
+                blocks
+                    .factorize(values, &mut self.values, &mut self.room)
+                    .map_err(|row| SolverError::NotPositiveDefinite { row })?;
+                self.whole = true;
+                return Ok(());
+            }
+        };
         let original = |row: usize| match factor.perm() {
             Some(order) => order.arrays().0.get(row).map_or(row, |&row| row as usize),
             None => row,
@@ -197,7 +233,7 @@ impl Factor {
     /// # Errors
     /// [`SolverError`] for a list of the wrong length, numbers that are not finite, and a factor whose last [`Factor::renew`] failed.
     pub fn solve_in_place(&mut self, right: &mut [f64]) -> Result<(), SolverError> {
-        let Shared { pattern, factor } = &*self.symbolic.shared;
+        let Shared { pattern, kind } = &*self.symbolic.shared;
         check_count("right side", right, pattern.size())?;
         let finite = |what, list: &[f64]| match list.iter().position(|x| !x.is_finite()) {
             Some(row) => Err(SolverError::NoSolution { what, row }),
@@ -211,12 +247,15 @@ impl Factor {
             return Ok(());
         }
         let rows = right.len();
-        LltRef::new(factor, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(right, rows, 1),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-        );
+        match kind {
+            Kind::Library(factor) => LltRef::new(factor, &self.values).solve_in_place_with_conj(
+                Conj::No,
+                MatMut::from_column_major_slice_mut(right, rows, 1),
+                Par::Seq,
+                MemStack::new(&mut self.memory),
+            ),
+            Kind::Blocks(blocks) => blocks.solve(&self.values, right, &mut self.room),
+        }
         finite("solution", right)
     }
 }
@@ -225,6 +264,12 @@ impl Factor {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    const KINDS: [Arithmetic; 3] = [
+        Arithmetic::Reproducible,
+        Arithmetic::Blocks,
+        Arithmetic::Fastest,
+    ];
 
     /// Numbers between −1 and 1.
     fn numbers(seed: u64) -> impl FnMut() -> f64 {
@@ -299,7 +344,7 @@ mod tests {
     #[test]
     fn solutions_are_those_of_dense_elimination() {
         for (size, per_row) in [(1, 1), (2, 1), (17, 3), (60, 0), (60, 4), (150, 30)] {
-            for arithmetic in [Arithmetic::Reproducible, Arithmetic::Fastest] {
+            for arithmetic in KINDS {
                 let (pattern, values) = matrix(size, per_row, size as u64);
                 let symbolic = Symbolic::of(pattern.clone(), arithmetic, usize::MAX).unwrap();
                 assert!(symbolic.entries() >= pattern.len().min(size));
@@ -322,10 +367,62 @@ mod tests {
         }
     }
 
+    /// The matrix of a grid with two numbers at every place, as those of meshes are.
+    #[test]
+    fn blocks_solve_what_grids_ask() {
+        let (wide, high) = (23, 17);
+        let mut entries = Vec::new();
+        for y in 0..high {
+            for x in 0..wide {
+                for (right, down) in [(1, 0), (0, 1), (1, 1)] {
+                    if x + right < wide && y + down < high {
+                        let (a, b) = (y * wide + x, (y + down) * wide + x + right);
+                        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                            entries.push((2 * a + i, 2 * b + j));
+                        }
+                    }
+                }
+            }
+        }
+        let pattern = Pattern::of_entries(2 * wide * high, &entries).unwrap();
+        let mut next = numbers(11);
+        let contributions: Vec<f64> = entries.iter().map(|_| next()).collect();
+        let mut values = pattern.assemble(&contributions).unwrap();
+        for row in 0..pattern.size() {
+            values[pattern.starts()[row] as usize] = 13.0;
+        }
+        let [mut plain, mut blocks] = [Arithmetic::Reproducible, Arithmetic::Blocks].map(|kind| {
+            let symbolic = Symbolic::of(pattern.clone(), kind, usize::MAX).unwrap();
+            Factor::of(symbolic, &values).unwrap()
+        });
+        // Zeros that joining adds are few.
+        assert!(blocks.symbolic().entries() < 2 * plain.symbolic().entries());
+        for _ in 0..3 {
+            let right: Vec<f64> = (0..pattern.size()).map(|_| next()).collect();
+            let (mut x, mut y) = (right.clone(), right);
+            plain.solve_in_place(&mut x).unwrap();
+            blocks.solve_in_place(&mut y).unwrap();
+            for (x, y) in x.iter().zip(&y) {
+                assert!((x - y).abs() < 1e-13, "{x} {y}");
+            }
+            for value in &mut values {
+                *value *= 1.5;
+            }
+            plain.renew(&values).unwrap();
+            blocks.renew(&values).unwrap();
+        }
+    }
+
     #[test]
     fn factors_take_other_matrices_of_their_pattern() {
+        for arithmetic in KINDS {
+            take_others(arithmetic);
+        }
+    }
+
+    fn take_others(arithmetic: Arithmetic) {
         let (pattern, values) = matrix(80, 5, 3);
-        let symbolic = Symbolic::of(pattern, Arithmetic::Reproducible, usize::MAX).unwrap();
+        let symbolic = Symbolic::of(pattern, arithmetic, usize::MAX).unwrap();
         let mut factor = Factor::of(symbolic.clone(), &values).unwrap();
         // Four times as large: the roots are twice as large, exactly.
         let larger: Vec<f64> = values.iter().map(|v| 4.0 * v).collect();
@@ -355,7 +452,7 @@ mod tests {
         // Rows 1 and 3 are the same but for their names.
         let entries: Vec<(usize, usize)> = (0..5).map(|i| (i, i)).chain([(1, 3)]).collect();
         let pattern = Pattern::of_entries(5, &entries).unwrap();
-        for arithmetic in [Arithmetic::Reproducible, Arithmetic::Fastest] {
+        for arithmetic in KINDS {
             let symbolic = Symbolic::of(pattern.clone(), arithmetic, usize::MAX).unwrap();
             let values = pattern.assemble(&[1.0; 6]).unwrap();
             let Err(SolverError::NotPositiveDefinite { row }) =

@@ -18,7 +18,8 @@
 //! # Ok::<(), anamorph_solvers::SolverError>(())
 //! ```
 
-pub mod cholesky;
+pub mod blocks;
+mod cholesky;
 mod error;
 pub mod pattern;
 

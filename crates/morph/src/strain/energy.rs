@@ -29,6 +29,8 @@ pub(crate) enum Curvature {
     True,
     /// Without the parts that are negative.
     Positive,
+    /// Without `Ŝ`, which is positive and true where the strains are those wanted.
+    Smooth,
 }
 
 /// Something that is summed over points.
@@ -77,6 +79,7 @@ impl Term for StrainTerm<'_> {
         let (fx, fy, s) = (gradient.x_axis, gradient.y_axis, self.shear);
         let mixed = s * shear;
         let first = [fx * x + fy * mixed, fy * y + fx * mixed];
+        let energy = 0.5 * (x * x + y * y + s * shear * shear);
         let xx = [
             fx.x * fx.x + s * fy.x * fy.x,
             fx.x * fx.y + s * fy.x * fy.y,
@@ -92,6 +95,11 @@ impl Term for StrainTerm<'_> {
             [s * fy.x * fx.x, s * fy.x * fx.y],
             [s * fy.y * fx.x, s * fy.y * fx.y],
         ];
+        // Ŝ, the part that may be negative.
+        let (x, y, mixed) = match curvature {
+            Curvature::Smooth => (0.0, 0.0, 0.0),
+            Curvature::True | Curvature::Positive => (x, y, mixed),
+        };
         let mut second = [
             [xx[0] + x, xx[1], xy[0][0] + mixed, xy[0][1]],
             [xx[1], xx[2] + x, xy[1][0], xy[1][1] + mixed],
@@ -102,7 +110,7 @@ impl Term for StrainTerm<'_> {
             make_positive(&mut second);
         }
         Some(Local {
-            energy: 0.5 * (x * x + y * y + s * shear * shear),
+            energy,
             first,
             second,
         })

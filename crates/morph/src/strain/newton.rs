@@ -20,7 +20,11 @@ use anamorph_solvers::SolverError;
 /// Steps after which a search is given up.
 const MOST_STEPS: usize = 120;
 /// A correction is worth more than a new factor while it is less than this share of the one before.
-const SHRINKS: f64 = 0.25;
+const SHRINKS: f64 = 0.6;
+/// Steps that are shorter, in units of the root of the area, are near enough to the end to go on with less.
+const NEAR: f64 = 1e-2;
+/// Corrections that cost about as much as a factor.
+const MOST_CORRECTIONS: usize = 12;
 /// Steps with positive parts alone, one after the other, after which the true matrix is taken with a little on its diagonal.
 const CRAWLS: usize = 3;
 /// Of the way to the first element without area.
@@ -39,6 +43,7 @@ pub(crate) struct Room {
     gradient: Vec<DVec2>,
     fixed: Vec<DVec2>,
     step: Vec<DVec2>,
+    memory: Memory,
     values: Vec<f64>,
     pub(crate) right: Vec<f64>,
     /// Strains wanted, domain by domain.
@@ -59,6 +64,7 @@ impl Room {
             gradient: zeros(),
             fixed: zeros(),
             step: zeros(),
+            memory: Memory::default(),
             values: vec![0.0; body.system.len() + 1],
             right: vec![0.0; 2 * count],
             wanted: body.domains.iter().map(|_| Vec::new()).collect(),
@@ -285,9 +291,19 @@ pub(crate) fn projected(body: &Body, room: &mut Room, search: Search) -> Result<
     let mut effort = Effort::default();
     let mut before = f64::INFINITY;
     let (mut crawled, mut lift) = (0, 1e-4);
-    for _ in 0..MOST_STEPS {
+    for number in 0..MOST_STEPS {
         level(body, &mut room.positions);
-        let energy_here = assemble(body, room, search, Curvature::True);
+        let smooth = number == 0;
+        let energy_here = assemble(
+            body,
+            room,
+            search,
+            if smooth {
+                Curvature::Smooth
+            } else {
+                Curvature::True
+            },
+        );
         if !energy_here.is_finite() {
             return Err(Halt::Stalled);
         }
@@ -307,7 +323,12 @@ pub(crate) fn projected(body: &Body, room: &mut Room, search: Search) -> Result<
         effort.steps += 1;
         let size = largest(&room.step);
         let mut share = reach(body, room, search);
-        let near = size < if whole { search.tolerance } else { 1e-10 };
+        let near = size
+            < if whole && !smooth {
+                search.tolerance
+            } else {
+                1e-10
+            };
         if near && share == 1.0 {
             advance(room, 1.0);
             std::mem::swap(&mut room.positions, &mut room.trial);
@@ -399,8 +420,8 @@ fn reach(body: &Body, room: &Room, search: Search) -> f64 {
     (SHARE * first).min(1.0)
 }
 
-/// Further steps with the factor that is there, as long as each is a small part of the one before; whether they came to the end. Where they
-/// shrink, the true Hessian at the end is near enough to the positive definite one of the factor to be so itself.
+/// Further steps with the factor that is there, as long as each is a part of the one before; whether they came to the end. What the steps so far
+/// have told of the Hessian is added to the factor by the formula of Broyden, Fletcher, Goldfarb and Shanno, which keeps it positive definite.
 fn corrections(
     body: &Body,
     room: &mut Room,
@@ -409,14 +430,20 @@ fn corrections(
     effort: &mut Effort,
 ) -> Result<bool, SolverError> {
     let mut before = size;
-    loop {
+    room.memory.used = 0;
+    for _ in 0..MOST_CORRECTIONS {
+        room.fixed.copy_from_slice(&room.gradient);
         slopes(body, room, search.shear, search.barrier);
-        solve(body, room, 0.0)?;
+        if !remember(room) {
+            return Ok(false);
+        }
+        from_memory(body, room)?;
         without_rigid(&room.positions, &mut room.step);
         let size = largest(&room.step);
         let ratio = size / before;
         effort.corrections += 1;
-        if ratio.is_nan() || ratio >= SHRINKS || reach(body, room, search) < 1.0 {
+        let most = if size < NEAR { SHRINKS } else { 0.4 * SHRINKS };
+        if ratio.is_nan() || ratio >= most || reach(body, room, search) < 1.0 {
             return Ok(false);
         }
         advance(room, 1.0);
@@ -427,6 +454,84 @@ fn corrections(
         }
         before = size;
     }
+    Ok(false)
+}
+
+/// Steps of a search since its last factor.
+#[derive(Default)]
+struct Memory {
+    pairs: Vec<Pair>,
+    used: usize,
+}
+
+/// A step and what it changed the gradient by, one over their product, and room for a number.
+#[derive(Default)]
+struct Pair {
+    step: Vec<DVec2>,
+    change: Vec<DVec2>,
+    inverse: f64,
+    share: f64,
+}
+
+fn product(a: &[DVec2], b: &[DVec2]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
+}
+
+/// Keeps the last step, at whose begin the gradient was what stands in `fixed`; whether the energy is convex along it.
+fn remember(room: &mut Room) -> bool {
+    let Memory { pairs, used } = &mut room.memory;
+    if pairs.len() == *used {
+        pairs.push(Pair::default());
+    }
+    let Some(pair) = pairs.get_mut(*used) else {
+        return false;
+    };
+    *used += 1;
+    pair.step.clear();
+    pair.step.extend_from_slice(&room.step);
+    pair.change.clear();
+    let gradients = room.gradient.iter().zip(&room.fixed);
+    pair.change
+        .extend(gradients.map(|(now, then)| *now - *then));
+    let convex = product(&pair.step, &pair.change);
+    pair.inverse = 1.0 / convex;
+    convex > 0.0 && pair.inverse.is_finite()
+}
+
+/// The step that the factor and the memory give: two loops around a solution.
+fn from_memory(body: &Body, room: &mut Room) -> Result<(), SolverError> {
+    let Room {
+        gradient,
+        trial,
+        step,
+        right,
+        factor,
+        memory,
+        ..
+    } = room;
+    trial.copy_from_slice(gradient);
+    let pairs = &mut memory.pairs[..memory.used];
+    for pair in pairs.iter_mut().rev() {
+        pair.share = pair.inverse * product(&pair.step, trial);
+        for (left, change) in trial.iter_mut().zip(&pair.change) {
+            *left -= *change * pair.share;
+        }
+    }
+    for (numbers, left) in right.chunks_exact_mut(2).zip(&*trial) {
+        numbers.copy_from_slice(&[-left.x, -left.y]);
+    }
+    body.system.still(right);
+    factor.solve(right)?;
+    for (step, numbers) in step.iter_mut().zip(right.chunks_exact(2)) {
+        *step = DVec2::new(numbers[0], numbers[1]);
+    }
+    for pair in pairs {
+        let back = pair.share + pair.inverse * product(&pair.change, step);
+        for (step, other) in step.iter_mut().zip(&pair.step) {
+            *step -= *other * back;
+        }
+    }
+    Ok(())
 }
 
 fn advance(room: &mut Room, share: f64) {

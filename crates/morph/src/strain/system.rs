@@ -122,7 +122,7 @@ impl System {
     fn finish(pattern: Pattern, places: Places, held: Vec<usize>) -> Result<Self, SolverError> {
         let diagonal = (0..pattern.size()).map(|row| narrow(place(&pattern, row, row)));
         let diagonal = diagonal.collect();
-        let symbolic = Symbolic::of(pattern, Arithmetic::Reproducible, usize::MAX)?;
+        let symbolic = Symbolic::of(pattern, Arithmetic::Blocks, usize::MAX)?;
         Ok(Self {
             symbolic,
             places,

@@ -154,3 +154,16 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
     let rest = angle.rem_euclid(TAU);
     if rest > PI { rest - TAU } else { rest }
 }
+
+/// A ring whose hole moves about and whose outside becomes a star, all of it turned: much compression.
+pub(crate) fn hard() -> Pair {
+    let source = ring(40, 4, |angle, share| {
+        dvec2(angle.cos(), angle.sin()) * (0.3 + 0.7 * share)
+    });
+    let target = ring(40, 4, |angle, share| {
+        let star = 1.0 + 0.55 * (5.0 * angle).cos();
+        let turned = angle + 2.4;
+        dvec2(turned.cos(), turned.sin()) * (0.1 + share * (star - 0.1)) * 2.0
+    });
+    Pair::new(source, target, ring_elements(40, 4)).unwrap()
+}

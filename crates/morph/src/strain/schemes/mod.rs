@@ -2,6 +2,11 @@
 //!
 //! A scheme sees strains alone, so it can never see a rotation; it is one file here and one line in [`all`].
 //!
+//! The default is `indifferent`, by numbers: on a strip that is bent, one that grows as well, and a ring that becomes a star, principal stretches differ from
+//! those that go evenly by 0.0005, 0.0014 and 0.088 (root of mean square), against 0.0035, 0.118 and 0.30 (`linear`), 0.0007, 0.0034 and 0.39 (`modified`),
+//! and 0.0037, 0.129 and 0.34 (`log`); the whole area stays between those of both ends in all three. Where the area of each element must not
+//! turn back `log` is nearest (121 and 150 elements against 120 of 128 and 143 of 320). The page on strain fields has the table.
+//!
 //! *Source*: H.-B. Yan, S.-M. Hu, R. Martin, *Morphing based on strain field interpolation*, 2004, eqs. (2) and (3); errata S1 to S3.
 
 mod indifferent;
