@@ -23,6 +23,8 @@ use rayon::prelude::*;
 
 /// Frames of a step if nothing is said.
 const FRAMES: usize = 25;
+/// What is taken where strain fields come to no end, and no scheme was asked for.
+const INSTEAD: &str = "as-rigid-as-possible";
 
 /// Whether the inputs are shapes.
 pub(crate) fn are_shapes(options: &MorphOptions) -> bool {
@@ -68,23 +70,13 @@ fn morph(options: &MorphOptions) -> Result<(), Failure> {
         settings: Settings::default(),
         ..FigureOptions::default()
     };
-    let mut steps = Vec::new();
-    for (number, ends) in inputs.windows(2).enumerate() {
-        let figure = Figure::new(
-            &ends[0].parts,
-            &ends[1].parts,
-            &method,
-            &figure_options(number),
-        )
-        .map_err(|error| Failure::new(format!("{} and {}: {error}", ends[0].name, ends[1].name)))?;
-        let fill = |input: &Input, part: Option<usize>| part.and_then(|i| input.fills[i]);
-        let fills = figure
-            .couples()
-            .iter()
-            .map(|couple| [fill(&ends[0], couple.source), fill(&ends[1], couple.target)])
-            .collect();
-        steps.push(Step { figure, fills });
-    }
+    let prepare = |method: &strain::Method| -> Result<Vec<Step>, Failure> {
+        let windows = inputs.windows(2).enumerate();
+        windows
+            .map(|(number, ends)| Step::new(ends, method, &figure_options(number)))
+            .collect()
+    };
+    let mut steps = prepare(&method)?;
     let count = steps.len();
     let frames = match options.at {
         Some(_) => None,
@@ -104,24 +96,36 @@ fn morph(options: &MorphOptions) -> Result<(), Failure> {
     };
     let view = common_view(&inputs);
     let most = steps.iter().map(|step| step.fills.len()).max().unwrap_or(0);
-    let progress = Progress::new("morphing", list.len(), options.quiet);
-    let drawn: Vec<Result<Drawing, Failure>> = list
-        .par_iter()
-        .map(|frame| {
-            let (step, time) = moment(frame.time, count);
-            let drawing = steps[step].draw(ease.value(time), view, most);
-            progress.add(1);
-            drawing.map_err(|error| {
-                Failure::new(format!(
-                    "{} and {}: {error}",
-                    inputs[step].name,
-                    inputs[step + 1].name
-                ))
+    let draw = |steps: &[Step]| -> Result<Vec<Drawing>, (usize, strain::FrameError)> {
+        let progress = Progress::new("morphing", list.len(), options.quiet);
+        let drawn: Vec<_> = list
+            .par_iter()
+            .map(|frame| {
+                let (step, time) = moment(frame.time, count);
+                let drawing = steps[step].draw(ease.value(time), view, most);
+                progress.add(1);
+                drawing.map_err(|error| (step, error))
             })
-        })
-        .collect();
-    let drawings = drawn.into_iter().collect::<Result<Vec<_>, _>>()?;
-    drop(progress);
+            .collect();
+        drawn.into_iter().collect()
+    };
+    let failed = |(step, error): (usize, strain::FrameError)| {
+        let (from, to) = (&inputs[step].name, &inputs[step + 1].name);
+        Failure::new(format!("{from} and {to}: {error}"))
+    };
+    let drawings = match draw(&steps) {
+        Err((step, error @ strain::FrameError::Stalled { .. })) if options.scheme.is_none() => {
+            say!(
+                "  note: {} and {}: {error}; all is drawn by `{INSTEAD}` instead",
+                inputs[step].name,
+                inputs[step + 1].name
+            );
+            let instead = strain::method(INSTEAD).map_err(Failure::new)?;
+            steps = prepare(&instead)?;
+            draw(&steps).map_err(failed)?
+        }
+        other => other.map_err(failed)?,
+    };
     output.write(options, frames.as_ref(), &list, &drawings, &steps)?;
     if let Some(path) = &options.metrics {
         sheets::metrics(path, options, &inputs, &steps)?;
@@ -201,6 +205,24 @@ fn common_view(inputs: &[Input]) -> [f64; 4] {
 }
 
 impl Step {
+    fn new(
+        ends: &[Input],
+        method: &strain::Method,
+        options: &FigureOptions,
+    ) -> Result<Self, Failure> {
+        let figure =
+            Figure::new(&ends[0].parts, &ends[1].parts, method, options).map_err(|error| {
+                Failure::new(format!("{} and {}: {error}", ends[0].name, ends[1].name))
+            })?;
+        let fill = |input: &Input, part: Option<usize>| part.and_then(|i| input.fills[i]);
+        let fills = figure
+            .couples()
+            .iter()
+            .map(|couple| [fill(&ends[0], couple.source), fill(&ends[1], couple.target)])
+            .collect();
+        Ok(Self { figure, fills })
+    }
+
     /// What is between at `t`, with as many parts as asked for.
     fn draw(&self, t: f64, view: [f64; 4], parts: usize) -> Result<Drawing, strain::FrameError> {
         // An ease may go beyond both ends; shapes do not.
