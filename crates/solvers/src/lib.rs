@@ -18,8 +18,8 @@
 //! # Ok::<(), anamorph_solvers::SolverError>(())
 //! ```
 
-pub mod blocks;
-mod cholesky;
+mod blocks;
+pub mod cholesky;
 mod error;
 pub mod pattern;
 
