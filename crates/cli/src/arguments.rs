@@ -1,5 +1,6 @@
 //! What the command line understands.
 
+use crate::shape_arguments::{PiecesName, parse_positive, parse_side};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -204,7 +205,7 @@ pub(crate) struct ImageOptions {
 /// drawn with the features half way, or however far, and one dissolves into the other.
 #[derive(Debug, Args)]
 pub(crate) struct MorphOptions {
-    /// Two images or more, or series of them such as clip.%04d.png; or two shapes or more: SVG, polygons, GeoJSON, fonts. A chain goes
+    /// Two images or more, or series of them such as clip.%04d.png; or two shapes or more: SVG, polygons, fonts. A chain goes
     /// from each to the next
     #[arg(required = true, num_args = 2.., value_name = "INPUT")]
     pub images: Vec<PathBuf>,
@@ -308,44 +309,6 @@ pub(crate) struct MorphOptions {
     /// Replace files that exist
     #[arg(short, long)]
     pub force: bool,
-}
-
-/// What becomes of parts of a drawing without a partner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PiecesName {
-    /// Further parts of the target split off the source's nearest, further parts of the source merge into the target's
-    SplitAndMerge,
-    /// Further parts of the target split off; those of the source shrink to points
-    Split,
-    /// Further parts of the source merge; those of the target grow from points
-    Merge,
-    /// All grow from points, or shrink to points
-    Grow,
-}
-
-impl From<PiecesName> for anamorph_morph::shapes::Pieces {
-    fn from(name: PiecesName) -> Self {
-        match name {
-            PiecesName::SplitAndMerge => Self::SplitAndMerge,
-            PiecesName::Split => Self::Split,
-            PiecesName::Merge => Self::Merge,
-            PiecesName::Grow => Self::Grow,
-        }
-    }
-}
-
-fn parse_positive(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse().ok();
-    number
-        .filter(|n: &f64| *n > 0.0 && n.is_finite())
-        .ok_or_else(|| "write a positive number, such as 0.1".to_owned())
-}
-
-fn parse_side(text: &str) -> Result<f64, String> {
-    let number = text.trim().trim_end_matches("px").trim().parse().ok();
-    number
-        .filter(|n: &f64| (1.0..=16_384.0).contains(n))
-        .ok_or_else(|| "write a number of pixels from 1 to 16384".to_owned())
 }
 
 /// How an image comes to lie on one of another size.

@@ -18,6 +18,7 @@ mod motion;
 mod painted;
 mod picture;
 mod progress;
+mod shape_arguments;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

@@ -10,7 +10,7 @@ use common::{Folder, Run};
 
 const BAR: &str = r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><path fill="#d02020" d="M10 40H90V60H10Z"/></svg>"##;
 const BENT: &str = r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><path fill="#2040d0" d="M10 40H60V90H40V60H10Z"/></svg>"##;
-const RING: &str = r#"{"y_axis": "down", "polygons": [{"outer": [[10, 10], [90, 10], [90, 90], [10, 90]],
+const RING: &str = r#"{"y_axis": "down", "canvas": [0, 0, 100, 100], "polygons": [{"outer": [[10, 10], [90, 10], [90, 90], [10, 90]],
  "holes": [[[40, 40], [40, 60], [60, 60], [60, 40]]]}]}"#;
 
 fn folder() -> Folder {

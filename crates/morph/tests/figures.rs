@@ -10,6 +10,7 @@ use anamorph_morph::matching::{Anchor, AnchorPlace};
 use anamorph_morph::shapes::Part;
 use anamorph_morph::strain::{METHODS, method};
 use std::f64::consts::TAU;
+use std::slice::from_ref;
 
 fn round(centre: DVec2, radius: f64, count: usize) -> Vec<DVec2> {
     (0..count)
@@ -72,7 +73,7 @@ fn whole(rings: &[Vec<DVec2>]) -> f64 {
 #[test]
 fn a_bar_bends_without_squeezing() {
     let [straight, bent] = bars();
-    let figure = figure(&[straight.clone()], &[bent.clone()]);
+    let figure = figure(from_ref(&straight), from_ref(&bent));
     check(&figure);
     let area_at = |t: f64| whole(&figure.at(t).unwrap()[0].rings);
     assert!((area_at(0.0) - straight.region.area()).abs() < 1e-9);
@@ -87,7 +88,7 @@ fn a_bar_bends_without_squeezing() {
 #[test]
 fn ends_are_the_outlines_given() {
     let [straight, bent] = bars();
-    let figure = figure(&[straight.clone()], &[bent.clone()]);
+    let figure = figure(from_ref(&straight), from_ref(&bent));
     for (t, region) in [(0.0, &straight.region), (1.0, &bent.region)] {
         let piece = &figure.at(t).unwrap()[0];
         for corner in &region.outer {
@@ -103,7 +104,7 @@ fn a_hole_opens_and_its_area_only_grows() {
         round(DVec2::ZERO, 2.0, 40),
         vec![round(dvec2(0.4, 0.1), 0.8, 24)],
     );
-    let figure = figure(&[disc], &[ring.clone()]);
+    let figure = figure(&[disc], from_ref(&ring));
     check(&figure);
     assert_eq!(figure.at(0.0).unwrap()[0].rings.len(), 1);
     assert_eq!(figure.at(1.0).unwrap()[0].rings.len(), 2);
@@ -121,7 +122,7 @@ fn a_hole_opens_and_its_area_only_grows() {
 fn parts_split_and_appear() {
     let one = part(round(DVec2::ZERO, 2.0, 32), Vec::new());
     let two = [dvec2(-3.0, 0.0), dvec2(3.0, 0.0)].map(|c| part(round(c, 1.0, 24), Vec::new()));
-    let split = figure(&[one.clone()], &two);
+    let split = figure(from_ref(&one), &two);
     check(&split);
     assert_eq!(split.couples().len(), 2);
     assert!(split.couples().iter().all(|c| c.source == Some(0)));
@@ -140,7 +141,7 @@ fn all_methods_meet_both_ends() {
     let [straight, bent] = bars();
     for method in METHODS {
         let options = FigureOptions::default();
-        let figure = Figure::new(&[straight.clone()], &[bent.clone()], method, &options).unwrap();
+        let figure = Figure::new(from_ref(&straight), from_ref(&bent), method, &options).unwrap();
         let couple = &figure.couples()[0];
         assert_eq!(couple.places(0.0).unwrap(), couple.mesh.source);
         assert_eq!(couple.places(1.0).unwrap(), couple.mesh.target);

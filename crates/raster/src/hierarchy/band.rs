@@ -49,7 +49,7 @@ pub(super) struct Cells {
     pub(super) states: Vec<State>,
     /// The largest error that was found in each.
     pub(super) errors: Vec<f64>,
-    /// Whether each was quartered because of what is known of the deformation, rather than of what was found.
+    /// Whether each was quartered because of a crease that is known.
     pub(super) known: Vec<bool>,
     /// Sides along which each is to be probed, and, four bits higher, has been.
     pub(super) probes: Vec<u8>,
@@ -243,8 +243,8 @@ impl<'a> Band<'a> {
                         self.ask_corners(x, y, size);
                         State::Derived
                     }
-                    Verdict::Refine => {
-                        self.levels[level].known[cell] = true;
+                    verdict @ (Verdict::Refine | Verdict::Crease) => {
+                        self.levels[level].known[cell] = verdict == Verdict::Crease;
                         self.refine(level, (x, y));
                         continue;
                     }

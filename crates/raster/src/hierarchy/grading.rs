@@ -1,5 +1,5 @@
 //! What cells ask of their neighbours: that no cell is much larger than a refined one beside it, and a closer look along the sides
-//! of small ones that have such a neighbour; but for neighbours that were refined because of what the deformation says of itself.
+//! of small ones that have such a neighbour; but for neighbours that were refined because of a crease that the deformation names.
 //!
 //! Every refined cell is looked at until its neighbours have been seen to, those in the first and last rows of a band by the
 //! bands above and below, too.

@@ -17,6 +17,8 @@ pub(super) enum Verdict {
     Derived,
     /// It must be quartered.
     Refine,
+    /// It must be quartered because of a crease, beside which the map is smooth.
+    Crease,
     /// Evaluations must tell.
     Ask,
 }
@@ -38,11 +40,15 @@ pub(super) struct Knowledge {
     corner: DVec2,
 }
 
+/// Marks of cells that creases cross, and of those at kinks.
+const CREASE: u8 = 1;
+const KINK: u8 = 2;
+
 /// Marked cells of all sizes.
 #[derive(Default)]
 struct Marks {
-    /// By size, the coarsest first: how many cells there are across, and whether each is marked, row by row.
-    levels: Vec<(usize, Vec<bool>)>,
+    /// By size, the coarsest first: how many cells there are across, and how each is marked, row by row.
+    levels: Vec<(usize, Vec<u8>)>,
     coarsest: usize,
 }
 
@@ -58,16 +64,16 @@ impl Marks {
         };
         let none = |size| {
             let across = window.width().div_ceil(size);
-            (across, vec![false; across * window.height().div_ceil(size)])
+            (across, vec![0; across * window.height().div_ceil(size)])
         };
-        let mut levels: Vec<(usize, Vec<bool>)> = sizes().map(none).collect();
-        let mut mark = |level: usize, column: i64, row: i64| {
+        let mut levels: Vec<(usize, Vec<u8>)> = sizes().map(none).collect();
+        let mut mark = |level: usize, column: i64, row: i64, kind: u8| {
             let (across, marks) = &mut levels[level];
             if let (Ok(column), Ok(row)) = (usize::try_from(column), usize::try_from(row))
                 && column < *across
                 && let Some(mark) = marks.get_mut(row * *across + column)
             {
-                *mark = true;
+                *mark |= kind;
             }
         };
         let whole = DVec2::new(window.width() as f64, window.height() as f64);
@@ -80,7 +86,7 @@ impl Marks {
             };
             for (level, size) in sizes().enumerate() {
                 for (column, row) in crossed(ends.map(|end| end / size as f64)) {
-                    mark(level, column, row);
+                    mark(level, column, row, CREASE);
                 }
             }
         }
@@ -95,7 +101,7 @@ impl Marks {
                 let (low, high) = ((cell - near).floor(), (cell + near).floor());
                 for column in low.x as i64..=high.x as i64 {
                     for row in low.y as i64..=high.y as i64 {
-                        mark(level, column, row);
+                        mark(level, column, row, KINK);
                     }
                 }
             }
@@ -103,13 +109,13 @@ impl Marks {
         Self { levels, coarsest }
     }
 
-    /// Whether the cell of that size at that pixel is marked.
-    fn contains(&self, x: usize, y: usize, size: usize) -> bool {
+    /// How the cell of that size at that pixel is marked.
+    fn at(&self, x: usize, y: usize, size: usize) -> u8 {
         let Some(level) = self.coarsest.checked_ilog2().zip(size.checked_ilog2()) else {
-            return false;
+            return 0;
         };
         let level = self.levels.get((level.0 - level.1) as usize);
-        level.is_some_and(|(across, marks)| marks[y / size * across + x / size])
+        level.map_or(0, |(across, marks)| marks[y / size * across + x / size])
     }
 }
 
@@ -202,9 +208,12 @@ impl Knowledge {
             return Verdict::Derived;
         }
         let on_edge = self.sharp_edge && !self.support.covers(&cell);
-        let on_kink = self.kinks.contains(x, y, size);
-        if self.only_derived || h > self.largest || on_edge || on_kink {
+        let marks = self.kinks.at(x, y, size);
+        if self.only_derived || h > self.largest || on_edge || marks & KINK != 0 {
             return Verdict::Refine;
+        }
+        if marks & CREASE != 0 {
+            return Verdict::Crease;
         }
         Verdict::Ask
     }

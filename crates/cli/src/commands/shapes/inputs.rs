@@ -252,7 +252,7 @@ fn anchors_of(path: &Path) -> Result<Vec<Anchor>, Failure> {
         .parse()
         .map_err(|error: toml::de::Error| failed(error.to_string()))?;
     let mut anchors = Vec::new();
-    for (key, _) in table.iter().filter(|(key, _)| *key != "anchor") {
+    if let Some(key) = table.keys().find(|key| *key != "anchor") {
         return Err(failed(format!(
             "`{key}` is unknown; write tables [[anchor]] with `source` and `target`"
         )));

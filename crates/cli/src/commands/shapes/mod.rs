@@ -1,6 +1,6 @@
 //! `anamorph morph` of shapes: drawings, letters and outlines become one another.
 //!
-//! What the inputs are follows from their content: SVG, polygons, GeoJSON and fonts are shapes, and so are images with `--silhouette`. Each
+//! What the inputs are follows from their content: SVG, polygons, `GeoJSON` and fonts are shapes, and so are images with `--silhouette`. Each
 //! step of a chain is a figure (module `figures` of `anamorph-morph`), prepared once; frames are drawn from it.
 
 mod inputs;
