@@ -298,7 +298,7 @@ fn put(path: &Path, bytes: &[u8], replace: bool) -> Result<(), Failure> {
 }
 
 /// Fills a file by what can fail for reasons of its own.
-fn fill(
+pub(super) fn fill(
     path: &Path,
     replace: bool,
     content: impl FnOnce(&mut dyn Write) -> Result<(), Failure>,

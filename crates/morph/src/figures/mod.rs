@@ -277,21 +277,21 @@ fn with_points(
         regions[0].holes.push(both.source);
         regions[1].holes.push(both.target);
     }
-    for opening in &holes.closing {
-        let ring = &source.holes[opening.hole];
-        specks[1].push(regions[1].holes.len() + 1);
-        regions[1]
-            .holes
-            .push(speck(ring, opening.at, size(target, opening.at)));
-        regions[0].holes.push(ring.clone());
-    }
-    for opening in &holes.opening {
-        let ring = &target.holes[opening.hole];
-        specks[0].push(regions[0].holes.len() + 1);
-        regions[0]
-            .holes
-            .push(speck(ring, opening.at, size(source, opening.at)));
-        regions[1].holes.push(ring.clone());
+    // A hole of one side, and the side that has none like it.
+    let closing = holes
+        .closing
+        .iter()
+        .map(|opening| (opening, source, target, 1));
+    let opening = holes
+        .opening
+        .iter()
+        .map(|opening| (opening, target, source, 0));
+    for (opening, from, into, side) in closing.chain(opening) {
+        let ring = &from.holes[opening.hole];
+        let small = speck(ring, opening.at, size(into, opening.at));
+        specks[side].push(regions[side].holes.len() + 1);
+        regions[side].holes.push(small);
+        regions[1 - side].holes.push(ring.clone());
     }
     regions[0].outer = outer.source;
     regions[1].outer = outer.target;

@@ -1,16 +1,16 @@
 //! Where frames of shapes go: an animated SVG or Lottie, pictures, a GLB, or numbered files.
 
+use super::super::film::fill;
 use super::super::frames::{Frame, Frames, Pattern};
 use super::Step;
 use crate::arguments::MorphOptions;
 use crate::error::Failure;
-use crate::files::{self, Pending};
+use crate::files;
 use anamorph_core::glam::DVec2;
 use anamorph_io::outlines::{
     Animation as Moving, Drawing, MeshFrames, Rounding, write_polygons, write_svg,
 };
 use anamorph_preview::{Animation, AnimationFormat, Figure, Ink, Picture};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Pixels of the longer side of pictures if nothing is said.
@@ -127,13 +127,13 @@ impl Output {
         let rate = frames.map_or(24.0, Frames::rate);
         let moving = Moving::new(drawings, rate);
         match self {
-            Self::Svg(path) => put(path, options.force, |out| {
+            Self::Svg(path) => fill(path, options.force, |out| {
                 moving.write_svg(out).map_err(Failure::new)
             }),
-            Self::Lottie(path) => put(path, options.force, |out| {
+            Self::Lottie(path) => fill(path, options.force, |out| {
                 moving.write_lottie(out).map_err(Failure::new)
             }),
-            Self::Film(path, format) => put(path, options.force, |out| {
+            Self::Film(path, format) => fill(path, options.force, |out| {
                 let mut film =
                     Animation::new(out, *format, drawings.len(), rate).map_err(Failure::new)?;
                 for drawing in drawings {
@@ -166,22 +166,6 @@ impl Output {
     }
 }
 
-/// Writes a file by what can fail for reasons of its own.
-pub(super) fn put(
-    path: &Path,
-    replace: bool,
-    content: impl FnOnce(&mut dyn Write) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    let mut file = Pending::create(path, replace)?;
-    let mut result = Ok(());
-    file.fill(|out| {
-        result = content(out);
-        Ok(())
-    })?;
-    result?;
-    files::keep_all([file])
-}
-
 fn one(
     path: &Path,
     kind: Kind,
@@ -192,7 +176,7 @@ fn one(
     frame: &Frame,
 ) -> Result<(), Failure> {
     let rounding = Rounding::for_drawing(drawing);
-    put(path, replace, |out| match kind {
+    fill(path, replace, |out| match kind {
         Kind::Svg => write_svg(drawing, None, out).map_err(Failure::new),
         Kind::Polygons => write_polygons(drawing, 1e-3, rounding, out).map_err(Failure::new),
         Kind::Png => {
@@ -288,7 +272,7 @@ fn glb(
         rate,
     };
     let mut storage = std::io::Cursor::new(Vec::new());
-    put(path, options.force, |out| {
+    fill(path, options.force, |out| {
         frames
             .write_glb(&mut storage, out)
             .map(|_| ())

@@ -1,8 +1,8 @@
 //! What a morph of shapes is like: its metrics, and pictures of what was matched.
 
+use super::super::film::fill;
 use super::Step;
 use super::inputs::Input;
-use super::outputs::put;
 use crate::arguments::MorphOptions;
 use crate::error::{Failure, say};
 use anamorph_core::glam::DVec2;
@@ -89,7 +89,7 @@ pub(super) fn metrics(
     }
     let text = serde_json::to_string_pretty(&json!({ "anamorph": "metrics", "morphs": all }))
         .map_err(Failure::new)?;
-    put(path, options.force, |out| {
+    fill(path, options.force, |out| {
         writeln!(out, "{text}").map_err(|error| Failure::written(path, &error))
     })
 }
@@ -210,7 +210,7 @@ pub(super) fn matching(
         let picture = figure.picture().map_err(Failure::new)?;
         picture.png().map_err(Failure::new)?
     };
-    put(path, options.force, |out| {
+    fill(path, options.force, |out| {
         out.write_all(&bytes)
             .map_err(|error| Failure::written(path, &error))
     })
