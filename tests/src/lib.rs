@@ -7,6 +7,7 @@
 pub mod cases;
 pub mod measure;
 pub mod models;
+pub mod pairs;
 pub mod random;
 pub mod settings;
 pub mod subjects;

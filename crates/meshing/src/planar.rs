@@ -12,7 +12,7 @@ use anamorph_core::glam::DVec2;
 use spade::{
     AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation,
 };
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// A polygon with holes. Rings do not repeat their first point at the end. The outer one goes counterclockwise where x goes right and y
 /// goes up (positive area), holes the other way.
@@ -171,7 +171,7 @@ impl Region {
     }
 
     /// The edges of all rings, by numbers of points over all rings.
-    fn edges(&self) -> Vec<[usize; 2]> {
+    pub(crate) fn edges(&self) -> Vec<[usize; 2]> {
         let (mut edges, mut first) = (Vec::new(), 0);
         for ring in self.rings() {
             let count = ring.len();
@@ -315,6 +315,98 @@ impl Default for Fineness {
     }
 }
 
+/// Coordinates about the middle of all points and at most of size 1, where nothing over- or underflows.
+struct Frame {
+    middle: DVec2,
+    scale: f64,
+}
+
+/// The constrained Delaunay triangulation of points with some edges.
+fn loaded(
+    all: &[DVec2],
+    edges: Vec<[usize; 2]>,
+) -> Result<(ConstrainedDelaunayTriangulation<Point2<f64>>, Frame), RegionError> {
+    let failed = |reason: String| RegionError::Triangulation { reason };
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for p in all {
+        (low, high) = (low.min(*p), high.max(*p));
+    }
+    let size = (high - low).max_element();
+    let scale = 2.0_f64.powi(-(size.log2().ceil() as i32));
+    let middle = 0.5 * (low + high);
+    // Numbers that the triangulation would take for too small are 0.
+    let small = |x: f64| if x.abs() < 1e-30 { 0.0 } else { x };
+    let own = |p: DVec2| {
+        let p = (p - middle) * scale;
+        Point2::new(small(p.x), small(p.y))
+    };
+    let mut crossing = None;
+    let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
+        all.iter().map(|p| own(*p)).collect(),
+        edges,
+        |edge| crossing = Some(edge),
+    )
+    .map_err(|error| failed(error.to_string()))?;
+    if crossing.is_some() || cdt.num_vertices() != all.len() {
+        return Err(failed(
+            "points stand on each other, or on a ring, to the last digits".to_owned(),
+        ));
+    }
+    Ok((cdt, Frame { middle, scale }))
+}
+
+/// The triangles inside of a border whose edges have the inside on their left, with further edges inside; no point is added.
+pub(crate) fn constrained(
+    points: &[DVec2],
+    border: &[[usize; 2]],
+    inner: &[[usize; 2]],
+) -> Result<Vec<[u32; 3]>, RegionError> {
+    let (cdt, _) = loaded(points, border.iter().chain(inner).copied().collect())?;
+    let all: Vec<[u32; 3]> = cdt
+        .inner_faces()
+        .map(|face| face.vertices().map(|v| v.fix().index() as u32))
+        .collect();
+    let mut sides: HashMap<[u32; 2], usize> = HashMap::new();
+    for (number, t) in all.iter().enumerate() {
+        for i in 0..3 {
+            sides.insert([t[i], t[(i + 1) % 3]], number);
+        }
+    }
+    // From the left of the border, over all edges but those of the border.
+    let closed: HashSet<[u32; 2]> = border.iter().map(|e| e.map(|i| i as u32)).collect();
+    let mut inside = vec![false; all.len()];
+    let mut todo: Vec<usize> = Vec::new();
+    for edge in &closed {
+        if let Some(&number) = sides.get(edge) {
+            if !inside[number] {
+                inside[number] = true;
+                todo.push(number);
+            }
+        }
+    }
+    while let Some(number) = todo.pop() {
+        let t = all[number];
+        for i in 0..3 {
+            let edge = [t[i], t[(i + 1) % 3]];
+            if closed.contains(&edge) {
+                continue;
+            }
+            if let Some(&next) = sides.get(&[edge[1], edge[0]]) {
+                if !inside[next] {
+                    inside[next] = true;
+                    todo.push(next);
+                }
+            }
+        }
+    }
+    let kept = all.into_iter().zip(inside);
+    let kept = kept.filter(|(t, inside)| {
+        let [a, b, c] = t.map(|i| points[i as usize]);
+        *inside && orientation(a, b, c) > 0.0
+    });
+    Ok(kept.map(|(t, _)| t).collect())
+}
+
 /// Triangulates the inside of a region; `inner` are points inside that become vertices, too.
 ///
 /// # Errors
@@ -329,32 +421,8 @@ pub fn triangulate(
     let failed = |reason: String| RegionError::Triangulation { reason };
     let ring_points = region.len();
     let all: Vec<DVec2> = region.rings().flatten().chain(inner).copied().collect();
-    // About the middle of the region and at most of size 1, where nothing over- or underflows.
-    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for p in &all {
-        (low, high) = (low.min(*p), high.max(*p));
-    }
-    let size = (high - low).max_element();
-    let scale = 2.0_f64.powi(-(size.log2().ceil() as i32));
-    let middle = 0.5 * (low + high);
-    // Numbers that the triangulation would take for too small are 0.
-    let small = |x: f64| if x.abs() < 1e-30 { 0.0 } else { x };
-    let own = |p: DVec2| {
-        let p = (p - middle) * scale;
-        Point2::new(small(p.x), small(p.y))
-    };
-    let mut crossing = None;
-    let mut cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
-        all.iter().map(|p| own(*p)).collect(),
-        region.edges(),
-        |edge| crossing = Some(edge),
-    )
-    .map_err(|error| failed(error.to_string()))?;
-    if crossing.is_some() || cdt.num_vertices() != all.len() {
-        return Err(failed(
-            "points stand on each other, or on a ring, to the last digits".to_owned(),
-        ));
-    }
+    let (mut cdt, frame) = loaded(&all, region.edges())?;
+    let scale = frame.scale;
     let area = region.area() * scale * scale;
     let mut parameters = RefinementParameters::<f64>::new()
         .exclude_outer_faces(true)
@@ -375,7 +443,7 @@ pub fn triangulate(
     let mut points = all;
     for vertex in cdt.vertices().skip(points.len()) {
         let p = vertex.position();
-        points.push(DVec2::new(p.x, p.y) / scale + middle);
+        points.push(DVec2::new(p.x, p.y) / scale + frame.middle);
     }
     let mut triangles = Vec::new();
     for face in cdt

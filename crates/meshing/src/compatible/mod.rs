@@ -1,44 +1,47 @@
 //! Compatible triangulations: the same triangles over two regions whose rings correspond point by point.
 //!
 //! Both regions have the same number of rings, and each ring the same number of points as its partner; point `i` of a ring belongs to
-//! point `i` of the other. The source is triangulated, with points added inside; its triangles are laid into the target, whose rings are
-//! held, first by a discrete harmonic map, which may fold, then by minimizing an energy that unfolds what is folded (module
-//! `unfolding`). What stays folded is split into smaller triangles, and unfolded again. Edges are flipped and inner points moved where
-//! that makes the smallest angle of both meshes larger. Every triangle of both meshes is positive by exact tests: with rings that do not
-//! cross, the piecewise linear map from one region to the other is then one to one.
+//! point `i` of the other.
 //!
-//! *Source*: Yan, Hu and Martin 2004, "From Objects to Isomorphic Meshes": anchors, inner points, constrained Delaunay triangulation, flips,
-//! added inner points, optimization of both meshes. Decision: instead of patches that are mapped onto a regular polygon, whose merged
-//! points are triangulated and mapped back, the triangles of one region are laid into the other directly. That needs no patches (regions
-//! may have holes), keeps the number of triangles that of one mesh, and ends in the same repairs: flips, smoothing, more inner points.
-//! Erratum S6: no triangle is turned.
+//! 1. Both regions are cut open along paths between their rings, until each is a disk; the paths correspond (module `cuts`).
+//! 2. Both are triangulated, and the triangulations laid over each other: what lies in one triangle of each is a convex polygon in both. This
+//!    always works (module `overlay`).
+//! 3. The points are as few and the angles as large as can be: edges are flipped, joined and split and inner points moved in both meshes at
+//!    once, as long as that helps and every triangle stays positive in both (module `remeshing`).
+//!
+//! Every triangle of both meshes is positive by exact tests: with rings that do not cross, the piecewise linear map from one region to the
+//! other is then one to one.
+//!
+//! *Source*: Yan, Hu and Martin 2004, "From Objects to Isomorphic Meshes": anchors, inner points, constrained Delaunay triangulation, paths,
+//! patches seen on a regular polygon, flips, added inner points, optimization of both meshes. Decision: there is one patch, all of the region,
+//! and which edges of both triangulations cross on the polygon is found from the order of their ends, without coordinates. Merging
+//! points and triangulating them anew, as published, may turn triangles over; the overlay may not, and what it has too much of is
+//! taken away again. Erratum S6: no triangle is turned.
 
-mod flips;
+mod cuts;
 mod mesh;
-mod unfolding;
+mod overlay;
+mod remeshing;
 
-use crate::planar::{Fineness, Region, RegionError, orientation, triangulate};
+use crate::planar::{Region, RegionError, orientation};
 use anamorph_core::glam::DVec2;
 use mesh::Mesh;
-
-/// Splitting ends where there are so many times as many triangles as at first.
-const MOST_GROWTH: usize = 4;
 
 /// How compatible triangulations are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompatibleOptions {
-    /// How fine the first triangulation is.
-    pub fineness: Fineness,
-    /// How often what stays folded is split.
-    pub rounds: usize,
+    /// Whether both meshes are made better; if not, they are as they were laid over each other.
+    pub improve: bool,
+    /// The largest triangle, as a share of the region's area in either mesh; infinite for any. Counts where meshes are made better.
+    pub largest_triangle: f64,
 }
 
 impl Default for CompatibleOptions {
-    /// The default fineness; at most 16 rounds.
+    /// Made better; no triangle above a hundredth of its region.
     fn default() -> Self {
         Self {
-            fineness: Fineness::default(),
-            rounds: 16,
+            improve: true,
+            largest_triangle: 0.01,
         }
     }
 }
@@ -54,8 +57,8 @@ pub struct CompatiblePair {
     pub triangles: Vec<[u32; 3]>,
     /// The rings by numbers of points, the outer one first.
     pub rings: Vec<Vec<u32>>,
-    /// How often triangles had to be split because they stayed folded.
-    pub rounds: usize,
+    /// How many triangles there were when both triangulations lay over each other.
+    pub overlaid: usize,
 }
 
 /// Why there is no compatible triangulation.
@@ -97,7 +100,7 @@ pub enum CompatibleError {
     },
     /// Some triangles stay folded.
     #[error(
-        "{folded} triangles stay folded near ({}, {}) of the source, ({}, {}) of the target; set an anchor there, or match the outlines \
+        "{folded} triangles are too thin for numbers of 64 bits near ({}, {}) of the source, ({}, {}) of the target; set an anchor there, or match the outlines \
          otherwise", source_place.x, source_place.y, target_place.x, target_place.y
     )]
     Folded {
@@ -108,9 +111,11 @@ pub enum CompatibleError {
         /// And in the target.
         target_place: DVec2,
     },
-    /// A system of equations without a solution.
-    #[error("the triangles could not be laid into the target: {0}")]
-    Solver(#[from] anamorph_solvers::SolverError),
+    /// Regions that cannot be cut open into disks.
+    #[error(
+        "the triangulations of both could not be laid over each other: their rings have too few points to be joined"
+    )]
+    Overlay,
 }
 
 /// Triangulates two regions alike. `inner` are pairs of points inside that correspond.
@@ -150,81 +155,56 @@ pub fn compatible(
             return Err(CompatibleError::Inner { point, place });
         }
     }
-    // The triangles of one laid into the other; if that cannot be done, the other way round.
-    let there = one_way(source, target, inner, options);
-    match there {
-        Err(CompatibleError::Folded { .. }) => {
-            let swapped: Vec<_> = inner.iter().map(|&(a, b)| (b, a)).collect();
-            match one_way(target, source, &swapped, options) {
-                Ok(pair) => Ok(CompatiblePair {
-                    source: pair.target,
-                    target: pair.source,
-                    ..pair
-                }),
-                Err(_) => there,
-            }
-        }
-        _ => there,
+    let made = overlay::overlay([source, target], inner).map_err(CompatibleError::Source)?;
+    let made = made.ok_or(CompatibleError::Overlay)?;
+    let overlaid = made.triangles.len();
+    let mut mesh = Mesh {
+        source: made.source,
+        target: made.target,
+        triangles: made.triangles,
+        fixed: source.len() + inner.len(),
+    };
+    if options.improve {
+        remeshing::improve(&mut mesh, options.largest_triangle);
+    }
+    let folded = mesh.folded();
+    match folded.first() {
+        Some(&first) => Err(mesh.fault(first, folded.len())),
+        None => Ok(mesh.pair(source, overlaid)),
     }
 }
 
-fn one_way(
-    source: &Region,
-    target: &Region,
-    inner: &[(DVec2, DVec2)],
-    options: &CompatibleOptions,
-) -> Result<CompatiblePair, CompatibleError> {
-    let inner_source: Vec<DVec2> = inner.iter().map(|pair| pair.0).collect();
-    let planar =
-        triangulate(source, &inner_source, &options.fineness).map_err(CompatibleError::Source)?;
-    let (on_rings, fixed) = (source.len(), source.len() + inner.len());
-    let held: Vec<DVec2> = target
-        .rings()
-        .flatten()
-        .copied()
-        .chain(inner.iter().map(|pair| pair.1))
-        .collect();
-    let mut mesh = Mesh::new(planar, held, on_rings, fixed);
-    mesh.split_chords();
-    let counts: Vec<usize> = source.rings().map(Vec::len).collect();
-    unfolding::harmonic(&mut mesh, &counts)?;
-    let most = MOST_GROWTH * mesh.triangles.len() + 1000;
-    let mut rounds = 0;
-    loop {
-        unfolding::unfold(&mut mesh)?;
-        let folded = mesh.folded();
-        let Some(&first) = folded.first() else {
-            break;
+impl Mesh {
+    /// That triangles stay folded.
+    fn fault(&self, triangle: usize, folded: usize) -> CompatibleError {
+        let middle = |points: &[DVec2]| {
+            let corners = self.triangles[triangle].map(|i| points[i as usize]);
+            (corners[0] + corners[1] + corners[2]) / 3.0
         };
-        if rounds == options.rounds || mesh.triangles.len() > most {
-            let middle = |points: &[DVec2]| {
-                let corners = mesh.triangles[first].map(|i| points[i as usize]);
-                (corners[0] + corners[1] + corners[2]) / 3.0
-            };
-            return Err(CompatibleError::Folded {
-                folded: folded.len(),
-                source_place: middle(&mesh.source),
-                target_place: middle(&mesh.target),
-            });
+        CompatibleError::Folded {
+            folded,
+            source_place: middle(&self.source),
+            target_place: middle(&self.target),
         }
-        mesh.split(&folded);
-        rounds += 1;
     }
-    flips::improve(&mut mesh);
-    let mut rings = Vec::new();
-    let mut first = 0;
-    for ring in source.rings() {
-        let count = ring.len() as u32;
-        rings.push((first..first + count).collect());
-        first += count;
+
+    /// As it is given to whoever asked.
+    fn pair(self, region: &Region, overlaid: usize) -> CompatiblePair {
+        let mut rings = Vec::new();
+        let mut first = 0;
+        for ring in region.rings() {
+            let count = ring.len() as u32;
+            rings.push((first..first + count).collect());
+            first += count;
+        }
+        CompatiblePair {
+            source: self.source,
+            target: self.target,
+            triangles: self.triangles,
+            rings,
+            overlaid,
+        }
     }
-    Ok(CompatiblePair {
-        source: mesh.source,
-        target: mesh.target,
-        triangles: mesh.triangles,
-        rings,
-        rounds,
-    })
 }
 
 /// What a pair of meshes is worth.

@@ -6,7 +6,7 @@
 //! original vertex.
 //!
 //! - Swapping the outlines swaps the roles and changes nothing else.
-//! - Moving, turning and scaling either outline changes nothing but for rounding; [`Weights::upright`] asks for the turn
+//! - Moving, turning and scaling either outline changes nothing but for rounding; [`Weights::upright`] and [`Weights::placed`] ask for the turn
 //!   that changes directions least, which decides between the corners of a square.
 //! - Both outlines go around in the same orientation. Neither may repeat a point or be without area; what crosses itself is matched
 //!   all the same.
@@ -122,6 +122,8 @@ pub struct Weights {
     /// For directions that differ by a sixth of a turn, per share of the length. Not 0, and turning an outline matters;
     /// about 0.01 only decides where all else is equal.
     pub upright: f64,
+    /// For places that differ by half the box around the outlines, per share of the length. Not 0, and turning an outline matters.
+    pub placed: f64,
 }
 
 impl Default for Weights {
@@ -131,6 +133,7 @@ impl Default for Weights {
             bending: 1.0,
             corners: 0.02,
             upright: 0.0,
+            placed: 0.0,
         }
     }
 }
@@ -273,6 +276,7 @@ pub fn match_outlines(
         ("bending", weights.bending, 0.0),
         ("corners", weights.corners, 0.0),
         ("upright", weights.upright, 0.0),
+        ("placed", weights.placed, 0.0),
     ];
     for (name, value, least) in least {
         if !(value >= least && value.is_finite()) {

@@ -1,7 +1,8 @@
 //! One outline as its matching sees it: arc length, directions, turning over several distances, and samples.
 //!
 //! Everything is measured in shares of the outline's whole length, so that size does not count, and by the direction of its
-//! edges relative to each other, so that place and turn do not either.
+//! edges relative to each other, so that place and turn do not either. Where weights ask for them, directions themselves count, and places
+//! within the box around the outline.
 //!
 //! *Source*: E. Arkin, L. Chew, D. Huttenlocher, K. Kedem and J. Mitchell, *An Efficiently Computable Metric for Comparing
 //! Polygonal Shapes*, IEEE PAMI 13(3), 1991 (the direction of an outline as a step function of its arc length). Turning over a
@@ -19,8 +20,8 @@ const DISTANCES: [f64; 4] = [0.01, 0.03, 0.08, 0.2];
 /// How much each of them counts.
 const SHARES: [f64; 4] = [0.2, 0.35, 0.3, 0.15];
 
-/// How many numbers describe a place: turning over [`DISTANCES`], and the direction itself.
-pub(super) const FEATURES: usize = DISTANCES.len() + 2;
+/// How many numbers describe a place: turning over [`DISTANCES`], the direction itself, and the place in the box.
+pub(super) const FEATURES: usize = DISTANCES.len() + 4;
 
 /// An outline with area relative to its length squared below this is none.
 const LEAST_AREA: f64 = 1e-12;
@@ -29,6 +30,8 @@ const LEAST_AREA: f64 = 1e-12;
 #[derive(Debug, Clone)]
 pub(super) struct Outline<'a> {
     points: &'a [DVec2],
+    /// The same from −1 to 1 in the box around them.
+    boxed: Vec<DVec2>,
     /// Where each point is, from 0; behind the last one 1.
     at: Vec<f64>,
     /// The direction of each edge, in radians, followed from the first without jumps.
@@ -75,6 +78,13 @@ impl<'a> Outline<'a> {
             .map(|p| (*p * 0.5 - points[0] * 0.5) / scale)
             .collect();
         let edge = |i: usize| local[(i + 1) % count] - local[i];
+        let (mut low, mut high) = (local[0], local[0]);
+        for p in &local {
+            (low, high) = (low.min(*p), high.max(*p));
+        }
+        let half = (0.5 * (high - low)).max(DVec2::splat(f64::MIN_POSITIVE));
+        let boxed = local.iter().map(|p| (*p - 0.5 * (low + high)) / half);
+        let boxed = boxed.collect();
         let mut at = Vec::with_capacity(count + 1);
         let mut length = 0.0;
         for i in 0..count {
@@ -124,6 +134,7 @@ impl<'a> Outline<'a> {
         integral.push(sum);
         Ok(Self {
             points,
+            boxed,
             at,
             directions,
             integral,
@@ -216,8 +227,15 @@ impl<'a> Outline<'a> {
             let mean = (self.integral(at + r) - self.integral(at - r)) / (2.0 * r);
             let (sin, cos) = math::sin_cos((mean + self.directions[0]) % TAU);
             let weight = weights.upright.sqrt();
-            features[FEATURES - 2] = (cos * weight) as f32;
-            features[FEATURES - 1] = (sin * weight) as f32;
+            features[FEATURES - 4] = (cos * weight) as f32;
+            features[FEATURES - 3] = (sin * weight) as f32;
+        }
+        if weights.placed > 0.0 {
+            let RingPlace { index, fraction } = self.place(at);
+            let next = self.boxed[(index + 1) % self.count()];
+            let place = self.boxed[index].lerp(next, fraction) * weights.placed.sqrt();
+            features[FEATURES - 2] = place.x as f32;
+            features[FEATURES - 1] = place.y as f32;
         }
         features
     }

@@ -52,6 +52,8 @@ pub struct FrameMetrics {
     pub steps: usize,
     /// Elements that had to be held up.
     pub held_up: usize,
+    /// Parts whose search came to no end.
+    pub unfinished: usize,
 }
 
 /// What a mesh is like, at both ends.
@@ -174,6 +176,7 @@ impl<'a> Yardstick<'a> {
             smallest_determinant: f64::INFINITY,
             steps: frame.solution.steps,
             held_up: frame.solution.held_up,
+            unfinished: frame.solution.unfinished,
             ..FrameMetrics::default()
         };
         for (element, area) in self.pair.elements().iter().zip(&self.areas) {

@@ -43,6 +43,7 @@ mod settings;
 mod stitching;
 mod system;
 mod tensor;
+mod untangle;
 
 pub use baselines::{AsRigidAsPossible, VertexLinear};
 pub use crossings::crossings;
@@ -72,9 +73,11 @@ pub struct Solution {
     pub subdivisions: usize,
     /// Elements that would have vanished and were held up.
     pub held_up: usize,
+    /// Parts whose search came to no end: what is between is the least energy that was found, with nothing turned over.
+    pub unfinished: usize,
     /// The energy that is left, eq. (4); of the symmetric energy, divided by the areas.
     pub energy: f64,
-    /// The largest component of the energy's gradient, in units of the root of the area; near 0 unless elements were held up.
+    /// The largest component of the energy's gradient, in units of the root of the area; near 0 unless elements were held up, or the search came to no end.
     pub residual: f64,
 }
 
@@ -85,6 +88,7 @@ impl Solution {
         self.projected += other.projected;
         self.subdivisions += other.subdivisions;
         self.held_up += other.held_up;
+        self.unfinished += other.unfinished;
         self.energy += other.energy;
         self.residual = self.residual.max(other.residual);
     }

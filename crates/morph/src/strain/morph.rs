@@ -14,8 +14,13 @@ use super::schemes::Scheme;
 use super::settings::{Rigid, Settings, Solver};
 use super::tensor::{Strain, cross, turn};
 use super::{Frame, FrameError, InBetween, Pair, PrepareError, Solution};
-use anamorph_core::glam::DVec2;
+use anamorph_core::glam::{DMat2, DVec2};
 use std::sync::{Mutex, PoisonError};
+
+/// Pieces of time in which a frame is reached that cannot be reached at once.
+const PIECES: usize = 16;
+/// Stretches below this are wanted no smaller while elements are turned back.
+const LEAST_STRETCH: f64 = 1e-3;
 
 /// How a frame was found.
 #[derive(Debug, Clone, Copy, Default)]
@@ -23,6 +28,7 @@ struct Way {
     effort: Effort,
     subdivisions: usize,
     held_up: usize,
+    unfinished: usize,
 }
 
 /// A prepared morph by strain fields.
@@ -213,6 +219,7 @@ impl StrainMorph {
             projected: way.effort.projected,
             subdivisions: way.subdivisions,
             held_up: way.held_up,
+            unfinished: way.unfinished,
             energy: energy * unit,
             residual,
         }
@@ -297,26 +304,63 @@ impl StrainMorph {
         way: &mut Way,
     ) -> Result<(), Halt> {
         self.guess(body, room, t).map_err(Halt::Solver)?;
+        if !search.guarded {
+            way.effort += newton::projected(body, room, search)?;
+            return Ok(());
+        }
         let whole = body.smallest_determinant(&room.positions).0 > 0.0;
-        if whole || !search.guarded {
-            match newton::projected(body, room, search) {
-                Ok(more) => {
-                    way.effort += more;
-                    return Ok(());
-                }
-                Err(Halt::Stalled) => {}
-                Err(other) => return Err(other),
-            }
+        if whole && self.at_once(body, room, search, way)? {
+            return Ok(());
         }
-        let mut last = Halt::Stalled;
-        for pieces in [4, 16, 64] {
-            way.subdivisions = pieces;
-            match self.in_pieces(body, room, t, search, way) {
-                Ok(()) => return Ok(()),
-                Err(halt) => last = halt,
+        // From where nothing is turned over, near to what is wanted.
+        if self.untangle(body, room, t, way)? {
+            if self.at_once(body, room, search, way)? {
+                return Ok(());
             }
+            self.set_thresholds(body, room, t);
+            return self.held(body, room, search, way);
         }
-        Err(last)
+        way.subdivisions = PIECES;
+        self.in_pieces(body, room, t, search, way)
+    }
+
+    /// Whether the search comes to an end at which nothing has vanished; if not, the vertices stay where they are.
+    fn at_once(
+        &self,
+        body: &Body,
+        room: &mut Room,
+        search: Search,
+        way: &mut Way,
+    ) -> Result<bool, Halt> {
+        let start = room.positions.clone();
+        match newton::projected(body, room, search) {
+            Ok(more) => way.effort += more,
+            Err(Halt::Stalled) => {
+                room.positions.copy_from_slice(&start);
+                return Ok(false);
+            }
+            Err(other) => return Err(other),
+        }
+        let sound = body.smallest_determinant(&room.positions).0 > 0.0;
+        if !sound {
+            room.positions.copy_from_slice(&start);
+        }
+        Ok(sound)
+    }
+
+    /// Turns back what the guess has turned over.
+    fn untangle(&self, body: &Body, room: &mut Room, t: f64, way: &mut Way) -> Result<bool, Halt> {
+        self.guess(body, room, t).map_err(Halt::Solver)?;
+        let inverse = |full: &Strain| {
+            let wanted = self
+                .scheme
+                .strain(*full, t)
+                .floored(LEAST_STRETCH)
+                .stretch();
+            wanted.matrix().inverse()
+        };
+        let inverses: Vec<DMat2> = body.guarded.iter().map(inverse).collect();
+        newton::untangle(body, room, &inverses, &mut way.effort)
     }
 
     /// From the nearer end, with small elements held up, then without.
@@ -335,29 +379,51 @@ impl StrainMorph {
             (0.0, &body.source)
         };
         room.positions.copy_from_slice(start);
+        for piece in 1..=way.subdivisions {
+            let time = end + (t - end) * (piece as f64 / way.subdivisions as f64);
+            body.want(self.scheme, time, &mut room.wanted);
+            self.set_thresholds(body, room, time);
+            let held = Search {
+                barrier: true,
+                guarded: true,
+                ..search
+            };
+            if piece == way.subdivisions {
+                return self.held(body, room, search, way);
+            }
+            match newton::projected(body, room, held) {
+                Ok(more) => way.effort += more,
+                // What has been reached lies right, and is where the next piece begins.
+                Err(Halt::Stalled) => {}
+                Err(other) => return Err(other),
+            }
+        }
+        Ok(())
+    }
+
+    /// With small elements held up, then without.
+    fn held(
+        &self,
+        body: &Body,
+        room: &mut Room,
+        search: Search,
+        way: &mut Way,
+    ) -> Result<(), Halt> {
         let held = Search {
             barrier: true,
             guarded: true,
             ..search
         };
-        for piece in 1..=way.subdivisions {
-            let time = end + (t - end) * (piece as f64 / way.subdivisions as f64);
-            body.want(self.scheme, time, &mut room.wanted);
-            self.set_thresholds(body, room, time);
-            way.effort += newton::projected(body, room, held)?;
+        match newton::projected(body, room, held) {
+            Ok(more) => way.effort += more,
+            // What has been reached has nothing turned over; its energy is the least that was found.
+            Err(Halt::Stalled) => way.unfinished = 1,
+            Err(other) => return Err(other),
         }
         way.held_up = self.held_up(body, room);
-        if way.held_up > 0 {
-            // Perhaps it was held up on the way only.
-            let kept = room.positions.clone();
-            match newton::projected(body, room, search) {
-                Ok(more) => {
-                    way.effort += more;
-                    way.held_up = 0;
-                }
-                Err(Halt::Stalled) => room.positions.copy_from_slice(&kept),
-                Err(other) => return Err(other),
-            }
+        // Perhaps it was held up on the way only.
+        if way.held_up > 0 && self.at_once(body, room, search, way)? {
+            (way.held_up, way.unfinished) = (0, 0);
         }
         Ok(())
     }

@@ -13,8 +13,9 @@
 use super::body::Body;
 use super::energy::{BarrierTerm, Curvature, StrainTerm, Sums};
 use super::system::Kept;
-use super::tensor::Strain;
-use anamorph_core::glam::DVec2;
+use super::tensor::{Strain, cross};
+use super::untangle::{self, UntangleTerm};
+use anamorph_core::glam::{DMat2, DVec2};
 use anamorph_solvers::SolverError;
 
 /// Steps after which a search is given up.
@@ -31,6 +32,11 @@ const CRAWLS: usize = 3;
 const SHARE: f64 = 0.9;
 /// Determinants below this share of those wanted are held up by the barrier, where it is on.
 pub(crate) const THRESHOLD: f64 = 0.1;
+/// Steps in which turned elements are turned back.
+const MOST_UNTANGLING: usize = 100;
+/// Steps after that, and the share of the energy below which they end.
+const MOST_POLISHING: usize = 15;
+const POLISHED: f64 = 1e-3;
 /// The barrier in units of the energy.
 const STIFFNESS: f64 = 1e-2;
 
@@ -539,6 +545,80 @@ fn advance(room: &mut Room, share: f64) {
     for (to, (from, d)) in room.trial.iter_mut().zip(moved) {
         *to = *from + *d * share;
     }
+}
+
+/// Turns elements back from where the vertices are, towards stretches with those inverses at the guards. Whether all lie right then.
+pub(crate) fn untangle(
+    body: &Body,
+    room: &mut Room,
+    inverses: &[DMat2],
+    effort: &mut Effort,
+) -> Result<bool, Halt> {
+    let least = |positions: &[DVec2]| {
+        let mut least = f64::INFINITY;
+        body.guards.each_gradient(positions, |point, _, gradient| {
+            let det = cross(gradient.x_axis, gradient.y_axis) * inverses[point].determinant();
+            least = if det < least || det.is_nan() {
+                det
+            } else {
+                least
+            };
+        });
+        least
+    };
+    let (mut smallest, mut polished) = (least(&room.positions), 0);
+    for _ in 0..MOST_UNTANGLING {
+        level(body, &mut room.positions);
+        let epsilon = untangle::epsilon(smallest);
+        let term = UntangleTerm { inverses, epsilon };
+        let Room {
+            positions,
+            gradient,
+            values,
+            ..
+        } = room;
+        gradient.fill(DVec2::ZERO);
+        values.fill(0.0);
+        let mut sums = Sums {
+            energy: 0.0,
+            gradient,
+            values,
+        };
+        let places = &body.system.places;
+        body.guards
+            .assemble(&term, positions, Curvature::Positive, places, &mut sums);
+        let energy_here = sums.energy;
+        body.system.hold(values);
+        if !energy_here.is_finite() || !factor(body, room).map_err(Halt::Solver)? {
+            break;
+        }
+        solve(body, room, 0.0).map_err(Halt::Solver)?;
+        without_rigid(&room.positions, &mut room.step);
+        effort.steps += 1;
+        effort.projected += 1;
+        let pairs = room.gradient.iter().zip(&room.step);
+        let slope: f64 = pairs.map(|(g, d)| g.dot(*d)).sum();
+        let (mut share, mut gained) = (1.0, None);
+        for _ in 0..40 {
+            advance(room, share);
+            let there = body.guards.energy(&term, &room.trial);
+            let lowest = least(&room.trial);
+            if there <= energy_here + 1e-4 * share * slope && (smallest <= 0.0 || lowest > 0.0) {
+                gained = Some((energy_here - there, lowest));
+                break;
+            }
+            share *= 0.5;
+        }
+        let Some((gain, lowest)) = gained else { break };
+        std::mem::swap(&mut room.positions, &mut room.trial);
+        polished += usize::from(smallest > 0.0);
+        let done = smallest > 0.0 && (gain < POLISHED * energy_here || polished > MOST_POLISHING);
+        smallest = lowest;
+        if done {
+            break;
+        }
+    }
+    Ok(smallest > 0.0)
 }
 
 /// Eq. (11) as it comes, after `stages − 1` steps of eq. (12) if there are more stages than one.

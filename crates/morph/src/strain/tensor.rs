@@ -103,6 +103,12 @@ impl Strain {
         self.squared_stretch().map(|value| value.max(0.0).sqrt())
     }
 
+    /// The strain whose principal stretches are no less than `least`.
+    pub(crate) fn floored(self, least: f64) -> Self {
+        let floor = least * least;
+        Self::of_squared_stretch(self.squared_stretch().map(|value| value.max(floor)))
+    }
+
     /// The power `C^t`, `0 ≤ t ≤ 1`.
     pub(crate) fn power(self, t: f64) -> Symmetric {
         self.squared_stretch().map(|value| {
