@@ -97,7 +97,7 @@ impl BetweenOptions {
 /// The same triangles lie in both, none turned over: to morph them elsewhere, or by hand.
 #[derive(Debug, Args)]
 pub(crate) struct MeshOptions {
-    /// Two shapes (SVG, polygons, GeoJSON, fonts, images with --silhouette), or a pair of meshes to look at
+    /// Two shapes (SVG, polygons, fonts, images with --silhouette), or a pair of meshes to look at
     #[arg(required = true, num_args = 1..=2, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// Where the result goes: the pair of meshes (.json), or a picture of both (.svg, .png); `-` is the pair on standard output

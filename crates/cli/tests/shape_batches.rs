@@ -201,6 +201,22 @@ fn fonts_are_set_on_their_axes() {
         let found = area(at, axes).abs() / 700.0;
         assert!((found - width).abs() < 0.5, "{at} {axes:?}: {found}");
     }
+    // Letters of unlike widths keep their sizes: `L` is as high as `I` and `LL`.
+    let text = ["--text", "I", "LL"];
+    let own = [
+        "morph",
+        "stems.ttf",
+        "stems.ttf",
+        "-f",
+        "--at",
+        "1",
+        "-o",
+        "x.json",
+    ];
+    folder.run(&[&own[..], &text].concat()).done();
+    let drawing = anamorph_io::outlines::read(&folder.read("x.json")).unwrap();
+    let [low, high] = drawing.bounds().unwrap();
+    assert!((high.y - low.y - 700.0).abs() < 0.5, "{low} {high}");
     morph("0", &["--axis", "wdth=3"]).failed(1, &["stems.ttf", "wdth"]);
     morph("0", &["--axis", "wght=1,2,3"]).failed(2, &["3 numbers", "2 fonts"]);
     morph("0", &["--axis", "wght"]).failed(2, &["wght=700"]);

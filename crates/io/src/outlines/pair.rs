@@ -171,14 +171,19 @@ impl Pair {
         if self.parts.is_empty() {
             return Ok(());
         }
-        let totals: [(&str, usize, fn(&PairPart) -> usize); 3] = [
-            ("points", self.source.len(), |part| part.points),
-            ("triangles", self.triangles.len(), |part| part.triangles),
-            ("rings", self.rings.len(), |part| part.rings),
-        ];
-        for (what, count, of) in totals {
-            let parts = self.parts.iter().map(of);
-            let together = parts.fold(0_usize, usize::saturating_add);
+        let together = |of: fn(&PairPart) -> usize| {
+            let counts = self.parts.iter().map(of);
+            counts.fold(0_usize, usize::saturating_add)
+        };
+        for (what, count, together) in [
+            ("points", self.source.len(), together(|part| part.points)),
+            (
+                "triangles",
+                self.triangles.len(),
+                together(|part| part.triangles),
+            ),
+            ("rings", self.rings.len(), together(|part| part.rings)),
+        ] {
             if together != count {
                 return Err(wrong(
                     ReadErrorKind::Shape,

@@ -28,8 +28,6 @@ pub(super) struct Input {
     /// The sheet of its own file as it lies there.
     pub(super) canvas: [f64; 4],
     pub(super) notes: Vec<String>,
-    /// Whether the file says what is to be seen.
-    has_canvas: bool,
 }
 
 /// Whether a file holds a shape, by its first bytes.
@@ -105,14 +103,15 @@ pub(super) fn read(paths: &[PathBuf], options: &ShapeOptions) -> Result<Vec<Inpu
             };
             (text, set)
         });
-        inputs.push(Input::read(path, font, options)?);
+        inputs.push(Input::read(path, font.as_ref(), options)?);
     }
     // Shapes of sheets of their own come to lie on the first's, as large as they can be.
-    let first = (inputs[0].view, inputs[0].has_canvas);
-    let all_fonts = inputs.iter().all(|input| !input.has_canvas) && wanted == inputs.len();
+    let first = inputs[0].view;
+    // Letters keep their sizes.
+    let all_fonts = wanted == inputs.len();
     if !all_fonts {
         for input in &mut inputs[1..] {
-            input.fit(first.0);
+            input.fit(first);
         }
     }
     Ok(inputs)
@@ -141,13 +140,13 @@ fn is_font(path: &Path) -> bool {
 impl Input {
     fn read(
         path: &Path,
-        font: Option<(&String, FontOptions)>,
+        font: Option<&(&String, FontOptions)>,
         options: &ShapeOptions,
     ) -> Result<Self, Failure> {
         let bytes = files::read(path)?;
         let shown = files::shown(path);
         let failed = |error: &dyn std::fmt::Display| Failure::new(format!("{shown}: {error}"));
-        let drawing = match &font {
+        let drawing = match font {
             Some((text, set)) => outlines::read_text(&bytes, text, set),
             None if options.silhouette && ImageFormat::of_content(&bytes).is_some() => {
                 return Self::silhouette(&bytes, &shown, options);
@@ -155,7 +154,7 @@ impl Input {
             None => outlines::read(&bytes),
         };
         let drawing = drawing.map_err(|error| failed(&error))?.turned(true);
-        let name = match &font {
+        let name = match font {
             Some((text, set)) if set.axes.is_empty() => format!("{shown} `{text}`"),
             Some((text, set)) => {
                 let places = set.axes.iter();
@@ -249,7 +248,6 @@ impl Input {
             view,
             canvas: view,
             notes,
-            has_canvas: drawing.canvas.is_some(),
         })
     }
 
@@ -319,7 +317,6 @@ impl Input {
             view,
             canvas: view,
             notes,
-            has_canvas: true,
         }
     }
 }

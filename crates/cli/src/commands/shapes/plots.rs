@@ -327,7 +327,7 @@ fn drawn(rows: &[Row], times: &[f64]) -> Figure {
         at += 130.0;
     }
     if rows.iter().any(|row| row.triangle.is_none()) {
-        let words = "lines: mean by area; bands: middle 80 % of the area";
+        let words = "lines: mean by area, bands: middle 80 % of the area";
         figure.words([across - 24.0, 26.0], 9.0, Anchor::End, DARK, words);
     }
     for (number, row) in rows.iter().enumerate() {
