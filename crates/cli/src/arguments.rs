@@ -1,6 +1,6 @@
 //! What the command line understands.
 
-use crate::shape_arguments::{PiecesName, parse_positive, parse_side};
+use crate::shape_arguments::{BetweenOptions, MeshOptions, ShapeOptions};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -23,6 +23,8 @@ pub(crate) enum Command {
     Warp(Box<WarpOptions>),
     /// Turn images into one another, or draw what is between
     Morph(Box<MorphOptions>),
+    /// Make one triangulation of two shapes
+    Mesh(Box<MeshOptions>),
     /// Evaluate the fields of a recipe on a model once and keep them
     Bind(BindOptions),
     /// Write the motion of a recipe as a table, an animation or a picture
@@ -206,9 +208,14 @@ pub(crate) struct ImageOptions {
 #[derive(Debug, Args)]
 pub(crate) struct MorphOptions {
     /// Two images or more, or series of them such as clip.%04d.png; or two shapes or more: SVG, polygons, fonts. A chain goes
-    /// from each to the next
-    #[arg(required = true, num_args = 2.., value_name = "INPUT")]
+    /// from each to the next. Or a pair of meshes, as `anamorph mesh` writes it
+    #[arg(required_unless_present = "batch", value_name = "INPUT")]
     pub images: Vec<PathBuf>,
+    /// Morph all that a list names: a TOML file of [[morph]] tables with `inputs`, `output` and options by their names. Goes on after a
+    /// failure
+    #[arg(long, value_name = "LIST.toml", conflicts_with_all = ["images", "output", "recipe", "landmarks", "method", "frames", "at", "start",
+        "range", "fps", "ease", "dissolve", "fit", "set", "draw_features", "report", "ShapeOptions", "BetweenOptions", "PixelOptions"])]
+    pub batch: Option<PathBuf>,
     /// The recipe of one warp between features, TOML or JSON; for a chain one for each step (-r AB -r BC)
     #[arg(short, long, value_name = "FILE", conflicts_with = "landmarks")]
     pub recipe: Vec<PathBuf>,
@@ -226,7 +233,14 @@ pub(crate) struct MorphOptions {
     /// Where the result goes: numbered images (out.%04d.png, out.####.exr), a film (.gif, .apng, .y4m), with --at one image; `-` is a
     /// y4m film on standard output, for an encoder. Shapes also become an animated .svg, Lottie (.json) or .glb, or numbered .svg, .json
     /// and .obj
-    #[arg(short, long, value_name = "OUT")]
+    #[arg(
+        short,
+        long,
+        value_name = "OUT",
+        required_unless_present = "batch",
+        default_value = ".",
+        hide_default_value = true
+    )]
     pub output: PathBuf,
     /// Frames of the whole; as many as the longest series has if left out, or 25 for each step
     #[arg(long, value_name = "N", help_heading = "Time")]
@@ -267,34 +281,10 @@ pub(crate) struct MorphOptions {
     /// Write a report as JSON: frames, features, how good the maps are
     #[arg(long, value_name = "FILE.json")]
     pub report: Option<PathBuf>,
-    /// How shapes go over: indifferent, linear, modified, log, vertex-linear or as-rigid-as-possible; indifferent if left out
-    #[arg(long, value_name = "NAME", help_heading = "Shapes")]
-    pub scheme: Option<String>,
-    /// Places of the outlines that must become each other, a TOML file of [[anchor]] tables for each step
-    #[arg(long, value_name = "FILE", num_args = 1.., help_heading = "Shapes")]
-    pub anchors: Vec<PathBuf>,
-    /// What becomes of parts of a drawing that have no partner: they split off or merge into the nearest if left out
-    #[arg(long, value_name = "HOW", help_heading = "Shapes")]
-    pub pieces: Option<PiecesName>,
-    /// The text of each font among the inputs
-    #[arg(long, value_name = "TEXT", num_args = 1.., help_heading = "Shapes")]
-    pub text: Vec<String>,
-    /// Take the outlines of images: of what is opaque, or dark in images without alpha
-    #[arg(long, help_heading = "Shapes")]
-    pub silhouette: bool,
-    /// How far curves may be from the polygons that stand for them, in units of the drawing; a two-thousandth of its longer side if
-    /// left out
-    #[arg(long, value_name = "UNITS", value_parser = parse_positive, help_heading = "Shapes")]
-    pub tolerance: Option<f64>,
-    /// Pixels of the longer side of pictures of shapes; 512 if left out
-    #[arg(long, value_name = "PIXELS", value_parser = parse_side, help_heading = "Shapes")]
-    pub size: Option<f64>,
-    /// Write how good a morph of shapes is, beside other methods over the same meshes, as JSON, and print a table
-    #[arg(long, value_name = "FILE.json", help_heading = "Shapes")]
-    pub metrics: Option<PathBuf>,
-    /// Draw which places of shapes become each other, as .png or .svg
-    #[arg(long, value_name = "FILE", help_heading = "Shapes")]
-    pub matching: Option<PathBuf>,
+    #[command(flatten)]
+    pub shapes: ShapeOptions,
+    #[command(flatten)]
+    pub between: BetweenOptions,
     #[command(flatten)]
     pub pixels: PixelOptions,
     /// Threads to use, 1 to 1024; as many as the machine has if left out. Results do not depend on it
@@ -661,7 +651,7 @@ pub(crate) enum ThemeName {
 /// More threads than this only fill memory with their stacks.
 const MOST_THREADS: usize = 1024;
 
-fn parse_threads(text: &str) -> Result<usize, String> {
+pub(crate) fn parse_threads(text: &str) -> Result<usize, String> {
     text.trim()
         .parse()
         .ok()

@@ -52,6 +52,7 @@ where
     let result = match arguments.command {
         Command::Warp(options) => commands::warp::run(&options),
         Command::Morph(options) => commands::morph::run(&options),
+        Command::Mesh(options) => commands::shapes::mesh::run(&options),
         Command::Bind(options) => commands::bind::run(&options),
         Command::Motion(options) => commands::motion::run(&options),
         Command::Cage(options) => commands::cage::run(&options),

@@ -42,7 +42,7 @@ pub fn polylines(bytes: &[u8], tolerance: f64) -> Result<Drawing, ReadError> {
             "keep only the paths that are needed",
         ));
     }
-    let tree = usvg::Tree::from_data(bytes, &usvg::Options::default()).map_err(|error| {
+    let tree = usvg::Tree::from_data(bytes, &options()).map_err(|error| {
         ReadError::new(
             ReadErrorKind::Syntax,
             format!("this is no drawing that can be read: {error}"),
@@ -69,6 +69,17 @@ pub fn polylines(bytes: &[u8], tolerance: f64) -> Result<Drawing, ReadError> {
         drawing.add(path, tolerance)?;
     }
     Ok(drawing)
+}
+
+/// How drawings are parsed: pictures in them are left out, and no other file is opened for them, wherever it lies.
+pub(crate) fn options() -> usvg::Options<'static> {
+    usvg::Options {
+        image_href_resolver: usvg::ImageHrefResolver {
+            resolve_data: Box::new(|_, _, _| None),
+            resolve_string: Box::new(|_, _| None),
+        },
+        ..usvg::Options::default()
+    }
 }
 
 /// The visible paths of a group and of those in it.
@@ -222,6 +233,23 @@ mod tests {
             );
             assert_eq!(drawing.points.len(), drawing.lines.len());
         }
+    }
+
+    #[test]
+    fn no_other_file_is_opened_for_pictures() {
+        let href = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../docs/images/arc-length.svg"
+        );
+        // Left to itself, the parser opens it.
+        let usual = usvg::Options::default();
+        assert!((usual.image_href_resolver.resolve_string)(href, &usual).is_some());
+        let own = options();
+        assert!((own.image_href_resolver.resolve_string)(href, &own).is_none());
+        let picture = format!("<image href=\"{href}\" width=\"10\" height=\"10\"/>");
+        assert!(polylines(&svg(&picture), 1e-4).is_err());
+        let beside = format!("{picture}<path d=\"M0 0H10\" stroke=\"black\"/>");
+        assert_eq!(polylines(&svg(&beside), 1e-4).unwrap().lines.len(), 1);
     }
 
     #[test]

@@ -8,6 +8,7 @@
 //! - [`matching`]: which place of one closed outline becomes which place of another.
 //! - [`shapes`]: what outlines need before they can be meshed, and which parts and holes become which.
 //! - [`silhouette`]: the outlines of what an image shows.
+//! - [`texture`]: images on meshes, from one shape to another.
 //! - [`images`]: frames of a metamorphosis of two images, by any deformations that lead back to them.
 //!
 //! Coordinates of images are those of `anamorph-raster`: pixel `(x, y)` covers `[x, x + 1) × [y, y + 1)`, `x` goes right and `y`
@@ -47,6 +48,7 @@ pub mod places;
 pub mod shapes;
 pub mod silhouette;
 pub mod strain;
+pub mod texture;
 
 pub use keys::{KeyError, KeyPath};
 pub use names::UnknownName;

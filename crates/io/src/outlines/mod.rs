@@ -28,7 +28,7 @@ pub use drawing::{Contour, Drawing, MOST_PIECES, Part, Rule, Segment, Stroke};
 pub use fonts::{FontOptions, MOST_CHARACTERS, is_font, read_text};
 pub use mesh::MeshFrames;
 pub use nesting::Polygon;
-pub use pair::{Pair, PairRing};
+pub use pair::{Pair, PairPart, PairRing, PairSlice};
 pub use polygons::{read_geojson, read_polygons, write_polygons};
 pub use rounding::{Rounding, SIDE};
 #[cfg(feature = "svg")]

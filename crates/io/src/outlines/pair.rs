@@ -1,8 +1,9 @@
 //! Two meshes in the plane with the same triangles, and the file that holds them (`pair.json`).
 //!
-//! The file is JSON: `{format: "anamorph-pair", version: 1, y_axis, source: {name, points}, target: {name, points}, rings: [{points,
-//! hole}], triangles, anchors}`; numbers of points count from 0, and `docs/shapes.md` says what each is. Coordinates are the shortest
-//! numbers that read back exactly, not rounded: whether a triangle is turned over may hang on the last digit.
+//! The file is JSON: `{format: "anamorph-pair", version: 1, y_axis, canvas, source: {name, points}, target: {name, points}, rings: [{points,
+//! hole}], triangles, parts: [{name, points, triangles, rings, source, target}], anchors}`; numbers of points count from 0, and `docs/shapes.md`
+//! says what each is. `canvas`, `parts` and `anchors` may be missing. Coordinates are the shortest numbers that read back exactly, not rounded:
+//! whether a triangle is turned over may hang on the last digit.
 
 use super::drawing::Drawing;
 use super::polygons::json;
@@ -24,11 +25,41 @@ pub struct PairRing {
     pub hole: bool,
 }
 
+/// A part of both meshes: so many of the points, triangles and rings, behind those of the parts before it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PairPart {
+    /// What it is called.
+    pub name: String,
+    /// How many points it has.
+    pub points: usize,
+    /// How many triangles.
+    pub triangles: usize,
+    /// How many rings.
+    pub rings: usize,
+    /// Its fill in the source and in the target: red, green, blue and opacity from 0 to 1, sRGB-encoded; none where it is not to be seen.
+    pub fills: [Option<[f64; 4]>; 2],
+}
+
+/// What belongs to a part; numbers of points are those of the whole.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairSlice<'a> {
+    /// The part.
+    pub part: PairPart,
+    /// The numbers of its points.
+    pub points: core::ops::Range<usize>,
+    /// Its triangles.
+    pub triangles: &'a [[u32; 3]],
+    /// Its rings.
+    pub rings: &'a [PairRing],
+}
+
 /// Two meshes with the same triangles.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Pair {
     /// Whether y grows downwards.
     pub y_down: bool,
+    /// What is to be seen: left, the lesser y, width and height.
+    pub canvas: Option<[f64; 4]>,
     /// What the two shapes are called.
     pub names: [String; 2],
     /// Points of the first mesh.
@@ -39,6 +70,8 @@ pub struct Pair {
     pub rings: Vec<PairRing>,
     /// Numbers of the corners of the triangles.
     pub triangles: Vec<[u32; 3]>,
+    /// The parts, one behind the other; empty where nothing is said of parts.
+    pub parts: Vec<PairPart>,
     /// Numbers of the points that somebody placed.
     pub anchors: Vec<u32>,
 }
@@ -113,6 +146,16 @@ impl Pair {
                 }
             }
         }
+        self.check_parts()?;
+        if let Some([.., width, height]) = self.canvas
+            && !(width > 0.0 && height > 0.0)
+        {
+            return Err(wrong(
+                ReadErrorKind::Shape,
+                format!("the canvas is {width} × {height}"),
+                "give its left, its lesser y, its width and its height",
+            ));
+        }
         if let Some(short) = self.rings.iter().position(|ring| ring.points.len() < 3) {
             return Err(wrong(
                 ReadErrorKind::Element,
@@ -121,6 +164,76 @@ impl Pair {
             ));
         }
         Ok(())
+    }
+
+    /// Parts that have more or fewer points, triangles and rings than there are, or whose triangles and rings name points of others.
+    fn check_parts(&self) -> Result<(), ReadError> {
+        if self.parts.is_empty() {
+            return Ok(());
+        }
+        let together = |of: fn(&PairPart) -> usize| {
+            let counts = self.parts.iter().map(of);
+            counts.fold(0_usize, usize::saturating_add)
+        };
+        for (what, count, together) in [
+            ("points", self.source.len(), together(|part| part.points)),
+            (
+                "triangles",
+                self.triangles.len(),
+                together(|part| part.triangles),
+            ),
+            ("rings", self.rings.len(), together(|part| part.rings)),
+        ] {
+            if together != count {
+                return Err(wrong(
+                    ReadErrorKind::Shape,
+                    format!("the parts have {together} {what} together, and there are {count}"),
+                    "correct the numbers, or leave `parts` out",
+                ));
+            }
+        }
+        for (number, part) in self.split().enumerate() {
+            let lists = part.triangles.iter().map(|list| &list[..]);
+            let all = lists.chain(part.rings.iter().map(|ring| &ring.points[..]));
+            let points = &part.points;
+            let other = all
+                .flatten()
+                .find(|point| !points.contains(&(**point as usize)));
+            if let Some(other) = other {
+                return Err(wrong(
+                    ReadErrorKind::Reference,
+                    format!("part {number} names point {other}, which is not one of its own"),
+                    "list the points, triangles and rings of each part behind those of the one before",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The parts with what belongs to each; the whole is one part where there are none. Call [`Pair::check`] before.
+    pub fn split(&self) -> impl Iterator<Item = PairSlice<'_>> {
+        let whole = PairPart {
+            name: self.names[0].clone(),
+            points: self.source.len(),
+            triangles: self.triangles.len(),
+            rings: self.rings.len(),
+            fills: [None; 2],
+        };
+        let none = self.parts.is_empty();
+        let parts = self.parts.iter().cloned().chain(none.then_some(whole));
+        let (mut points, mut triangles, mut rings) = (0, 0, 0);
+        parts.map(move |part| {
+            let first = [points, triangles, rings];
+            points += part.points;
+            triangles += part.triangles;
+            rings += part.rings;
+            PairSlice {
+                points: first[0]..points,
+                triangles: self.triangles.get(first[1]..triangles).unwrap_or_default(),
+                rings: self.rings.get(first[2]..rings).unwrap_or_default(),
+                part,
+            }
+        })
     }
 
     /// Reads a pair.
@@ -189,8 +302,23 @@ impl Pair {
             None => Vec::new(),
             some => numbers(list(some, "anchors")?, &|| "the list of anchors".to_owned())?,
         };
+        let canvas = match value.get("canvas") {
+            None | Some(Value::Null) => None,
+            Some(canvas) => {
+                let numbers = numbers_of(canvas, "canvas", "write [left, least y, width, height]")?;
+                Some(numbers)
+            }
+        };
+        let mut parts = Vec::new();
+        if let Some(all) = value.get("parts") {
+            for (i, part) in list(Some(all), "parts")?.iter().enumerate() {
+                parts.push(read_part(i, part)?);
+            }
+        }
         let pair = Self {
             y_down,
+            canvas,
+            parts,
             names: [name(source), name(target)],
             source: places(source, "source")?,
             target: places(target, "target")?,
@@ -215,6 +343,11 @@ impl Pair {
         let mut text =
             format!("{{\"format\":\"{FORMAT}\",\"version\":{VERSION},\"y_axis\":\"{axis}\",\n")
                 .into_bytes();
+        if let Some(canvas) = &self.canvas {
+            text.extend_from_slice(b"\"canvas\":");
+            four(canvas, &mut text);
+            text.extend_from_slice(b",\n");
+        }
         let sides = [("source", &self.source), ("target", &self.target)];
         for ((side, points), name) in sides.into_iter().zip(&self.names) {
             let name = Value::from(name.as_str()).to_string();
@@ -244,6 +377,32 @@ impl Pair {
                 text.push(b',');
             }
             whole(triangle, &mut text);
+        }
+        if !self.parts.is_empty() {
+            text.extend_from_slice(b"],\n\"parts\":[");
+            for (i, part) in self.parts.iter().enumerate() {
+                let gap = if i > 0 { "," } else { "" };
+                let name = Value::from(part.name.as_str()).to_string();
+                let PairPart {
+                    points,
+                    triangles,
+                    rings,
+                    ..
+                } = part;
+                let line = format!(
+                    "{gap}\n{{\"name\":{name},\"points\":{points},\"triangles\":{triangles},\"rings\":{rings}"
+                );
+                text.extend_from_slice(line.as_bytes());
+                for (side, fill) in ["source", "target"].into_iter().zip(&part.fills) {
+                    text.extend_from_slice(format!(",\"{side}\":{{\"fill\":").as_bytes());
+                    match fill {
+                        Some(fill) => four(fill, &mut text),
+                        None => text.extend_from_slice(b"null"),
+                    }
+                    text.push(b'}');
+                }
+                text.push(b'}');
+            }
         }
         text.extend_from_slice(b"],\n\"anchors\":");
         whole(&self.anchors, &mut text);
@@ -282,6 +441,65 @@ fn whole(list: &[u32], out: &mut Vec<u8>) {
         number::write_whole(u64::from(*value), out);
     }
     out.push(b']');
+}
+
+fn four(list: &[f64; 4], out: &mut Vec<u8>) {
+    for (i, value) in list.iter().enumerate() {
+        out.push(if i > 0 { b',' } else { b'[' });
+        number::write(*value, out);
+    }
+    out.push(b']');
+}
+
+fn numbers_of(value: &Value, what: &str, mend: &str) -> Result<[f64; 4], ReadError> {
+    let list = value.as_array().map_or(&[][..], Vec::as_slice);
+    let numbers: Option<Vec<f64>> = list.iter().map(Value::as_f64).collect();
+    let four = numbers.and_then(|numbers| <[f64; 4]>::try_from(numbers).ok());
+    four.ok_or_else(|| {
+        wrong(
+            ReadErrorKind::Number,
+            format!("the {what} is not four numbers"),
+            mend,
+        )
+    })
+}
+
+fn read_part(number: usize, value: &Value) -> Result<PairPart, ReadError> {
+    let count = |key: &str| {
+        let count = value.get(key).and_then(Value::as_u64);
+        let count = count.and_then(|count| usize::try_from(count).ok());
+        count.ok_or_else(|| {
+            wrong(
+                ReadErrorKind::Number,
+                format!("part {number} has no number of {key}"),
+                "write a whole number",
+            )
+        })
+    };
+    let mut fills = [None; 2];
+    for (side, fill) in ["source", "target"].into_iter().zip(&mut fills) {
+        let given = value.get(side).and_then(|side| side.get("fill"));
+        if let Some(given) = given.filter(|given| !given.is_null()) {
+            let mend = "write red, green, blue and opacity from 0 to 1, or null";
+            let read = numbers_of(given, &format!("fill of part {number}"), mend)?;
+            if read.iter().any(|light| !(0.0..=1.0).contains(light)) {
+                return Err(wrong(
+                    ReadErrorKind::Number,
+                    format!("the fill of part {number} leaves 0 to 1"),
+                    mend,
+                ));
+            }
+            *fill = Some(read);
+        }
+    }
+    let name = value.get("name").and_then(Value::as_str);
+    Ok(PairPart {
+        name: name.unwrap_or_default().to_owned(),
+        points: count("points")?,
+        triangles: count("triangles")?,
+        rings: count("rings")?,
+        fills,
+    })
 }
 
 fn list<'v>(value: Option<&'v Value>, what: &str) -> Result<&'v [Value], ReadError> {
@@ -345,6 +563,74 @@ mod tests {
             }],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             anchors: vec![2],
+            ..Pair::default()
+        }
+    }
+
+    /// Two squares, the second not to be seen in the source.
+    fn two_parts() -> Pair {
+        let one = pair();
+        let part = |name: &str, fills| PairPart {
+            name: name.to_owned(),
+            points: 4,
+            triangles: 2,
+            rings: 1,
+            fills,
+        };
+        let red = Some([1.0, 0.1, 0.0, 0.5]);
+        let mut both = Pair {
+            canvas: Some([-1.0, 0.5, 20.0, 10.0]),
+            parts: vec![part("a", [red; 2]), part("b", [None, red])],
+            ..one.clone()
+        };
+        both.source
+            .extend(one.source.iter().map(|p| *p + dvec2(5.0, 0.0)));
+        both.target
+            .extend(one.target.iter().map(|p| *p + dvec2(5.0, 0.0)));
+        both.triangles.extend([[4, 5, 6], [4, 6, 7]]);
+        both.rings.push(PairRing {
+            points: vec![4, 5, 6, 7],
+            hole: false,
+        });
+        both
+    }
+
+    #[test]
+    fn parts_follow_each_other_and_are_read_back() {
+        let both = two_parts();
+        let mut file = Vec::new();
+        both.write(&mut file).unwrap();
+        assert_eq!(Pair::read(&file).unwrap(), both);
+        let slices: Vec<PairSlice<'_>> = both.split().collect();
+        assert_eq!(slices[1].points, 4..8);
+        assert_eq!(slices[1].triangles, [[4, 5, 6], [4, 6, 7]]);
+        assert_eq!(slices[1].part.fills[0], None);
+        // Without parts the whole is one.
+        let whole = pair();
+        let slices: Vec<PairSlice<'_>> = whole.split().collect();
+        assert_eq!(slices.len(), 1);
+        assert_eq!(slices[0].triangles, whole.triangles);
+
+        let text = String::from_utf8(file).unwrap();
+        for (from, to, says) in [
+            (
+                "\"points\":4,\"triangles\":2",
+                "\"points\":5,\"triangles\":2",
+                "9 points",
+            ),
+            (
+                "\"points\":4,\"triangles\":2",
+                "\"triangles\":2",
+                "no number of points",
+            ),
+            ("[4,5,6],", "[4,5,2],", "not one of its own"),
+            ("[1,0.1,0,0.5]", "[1,0.1,0]", "four numbers"),
+            ("[1,0.1,0,0.5]", "[1,0.1,0,2]", "leaves 0 to 1"),
+            ("[-1,0.5,20,10]", "[-1,0.5,0,10]", "canvas"),
+        ] {
+            assert!(text.contains(from), "{from} in {text}");
+            let error = Pair::read(text.replacen(from, to, 1).as_bytes()).unwrap_err();
+            assert!(error.to_string().contains(says), "{to}: {error}");
         }
     }
 

@@ -81,14 +81,7 @@ pub fn read_svg(bytes: &[u8]) -> Result<Drawing, ReadError> {
         refused
     })?;
     check_size(&xml)?;
-    let options = usvg::Options {
-        image_href_resolver: usvg::ImageHrefResolver {
-            resolve_data: Box::new(|_, _, _| None),
-            resolve_string: Box::new(|_, _| None),
-        },
-        ..usvg::Options::default()
-    };
-    let tree = usvg::Tree::from_xmltree(&xml, &options).map_err(|error| {
+    let tree = usvg::Tree::from_xmltree(&xml, &crate::drawings::options()).map_err(|error| {
         damaged(
             format!("this is no drawing that can be read: {error}"),
             "export it as plain SVG",

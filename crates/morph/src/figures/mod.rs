@@ -372,6 +372,27 @@ impl Figure {
         Ok(Self { couples })
     }
 
+    /// Prepares what is between meshes that are there already, each with its part in the source and in the target.
+    ///
+    /// # Errors
+    /// [`FigureError::Pair`] and [`FigureError::Prepare`].
+    pub fn of_meshes(
+        meshes: impl IntoIterator<Item = ([Option<usize>; 2], CompatiblePair)>,
+        method: &Method,
+        settings: &Settings,
+    ) -> Result<Self, FigureError> {
+        let mut couples = Vec::new();
+        for (ends, mesh) in meshes {
+            let parts = format!("part {} of the pair", couples.len());
+            let couple = Couple::of_mesh(ends, mesh, Default::default(), method, settings);
+            couples.push(couple.map_err(|error| match error {
+                OfMesh::Pair(error) => FigureError::Pair { parts, error },
+                OfMesh::Prepare(error) => FigureError::Prepare { parts, error },
+            })?);
+        }
+        Ok(Self { couples })
+    }
+
     /// Parts on their way.
     pub fn couples(&self) -> &[Couple] {
         &self.couples
@@ -394,6 +415,12 @@ impl Figure {
         }
         Ok(pieces)
     }
+}
+
+/// Why a mesh cannot be morphed.
+enum OfMesh {
+    Pair(PairError),
+    Prepare(PrepareError),
 }
 
 /// Rings and the places of a mesh.
@@ -448,24 +475,34 @@ impl Couple {
             parts: parts.clone(),
             error,
         })?;
+        Self::of_mesh([from, to], mesh, found.specks, method, &options.settings).map_err(|error| {
+            match error {
+                OfMesh::Pair(error) => FigureError::Pair { parts, error },
+                OfMesh::Prepare(error) => FigureError::Prepare { parts, error },
+            }
+        })
+    }
+
+    fn of_mesh(
+        [source, target]: [Option<usize>; 2],
+        mesh: CompatiblePair,
+        specks: [Vec<usize>; 2],
+        method: &Method,
+        settings: &Settings,
+    ) -> Result<Self, OfMesh> {
         let elements = mesh
             .triangles
             .iter()
             .filter_map(|corners| Element::of(&corners.map(|i| i as usize)))
             .collect();
         let pair = crate::strain::Pair::new(mesh.source.clone(), mesh.target.clone(), elements)
-            .map_err(|error| FigureError::Pair {
-                parts: parts.clone(),
-                error,
-            })?;
-        let between = method
-            .prepare(&pair, &options.settings)
-            .map_err(|error| FigureError::Prepare { parts, error })?;
+            .map_err(OfMesh::Pair)?;
+        let between = method.prepare(&pair, settings).map_err(OfMesh::Prepare)?;
         Ok(Self {
-            source: from,
-            target: to,
+            source,
+            target,
             mesh,
-            specks: found.specks,
+            specks,
             between,
             pair,
         })

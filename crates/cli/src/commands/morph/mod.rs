@@ -3,6 +3,7 @@
 //! Each step of a chain has its features; a frame is drawn from the two images it lies between. Images and series are read when they are
 //! needed: three pictures and the frame are in memory, however long the film is.
 
+mod batch;
 mod form;
 pub(crate) mod overlay;
 mod sources;
@@ -37,8 +38,20 @@ const FRAMES: usize = 25;
 
 /// Morphs what the arguments name.
 pub(crate) fn run(options: &MorphOptions) -> Result<(), Failure> {
+    if let Some(list) = &options.batch {
+        return batch::run(list, options);
+    }
     if super::shapes::are_shapes(options) {
         return super::shapes::run(options);
+    }
+    if let [path] = &options.images[..] {
+        // What cannot be read is said first.
+        files::read(path)?;
+    }
+    if options.images.len() < 2 {
+        return Err(Failure::usage(
+            "a morph goes from one image or shape to another; name two or more",
+        ));
     }
     if options.recipe.is_empty() && options.landmarks.is_empty() {
         return Err(Failure::usage(
@@ -58,18 +71,8 @@ pub(crate) fn run(options: &MorphOptions) -> Result<(), Failure> {
 
 /// Options that only shapes have.
 fn refuse_options_of_shapes(options: &MorphOptions) -> Result<(), Failure> {
-    let given = [
-        (options.scheme.is_some(), "--scheme"),
-        (!options.anchors.is_empty(), "--anchors"),
-        (options.pieces.is_some(), "--pieces"),
-        (!options.text.is_empty(), "--text"),
-        (options.tolerance.is_some(), "--tolerance"),
-        (options.size.is_some(), "--size"),
-        (options.metrics.is_some(), "--metrics"),
-        (options.matching.is_some(), "--matching"),
-    ];
-    match given.iter().find(|(given, _)| *given) {
-        Some((_, name)) => Err(Failure::usage(format!(
+    match options.shapes.given().or(options.between.given()) {
+        Some(name) => Err(Failure::usage(format!(
             "{name}: only morphs of shapes have it; the inputs are images (--silhouette takes their outlines)"
         ))),
         None => Ok(()),

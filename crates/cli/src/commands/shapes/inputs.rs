@@ -1,8 +1,8 @@
 //! Shapes of files, repaired, on a common sheet.
 
-use crate::arguments::MorphOptions;
 use crate::error::Failure;
 use crate::files;
+use crate::shape_arguments::{Axis, ShapeOptions};
 use anamorph_core::glam::DVec2;
 use anamorph_io::images::{ImageFile, ImageFormat, ImageLimits};
 use anamorph_io::outlines::{self, Drawing, Fill, FontOptions, Rule};
@@ -10,7 +10,7 @@ use anamorph_morph::matching::{Anchor, AnchorPlace};
 use anamorph_morph::shapes::{FillRule, Part, Ring, Shape};
 use anamorph_raster::colour::{linear_to_oklab, srgb_to_linear};
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Black, for what has no colour of its own.
 const BLACK: Fill = [0.0, 0.0, 0.0, 1.0];
@@ -25,9 +25,9 @@ pub(super) struct Input {
     pub(super) fills: Vec<Option<Fill>>,
     /// What is to be seen: left, top, width, height; y goes down.
     pub(super) view: [f64; 4],
+    /// The sheet of its own file as it lies there.
+    pub(super) canvas: [f64; 4],
     pub(super) notes: Vec<String>,
-    /// Whether the file says what is to be seen.
-    has_canvas: bool,
 }
 
 /// Whether a file holds a shape, by its first bytes.
@@ -40,6 +40,7 @@ pub(super) fn is_shape(path: &Path) -> bool {
     let text = String::from_utf8_lossy(&head);
     let text = text.trim_start_matches('\u{feff}').trim_start();
     outlines::is_font(&head)
+        || is_pair_text(text)
         || (text.starts_with('<') && text.contains("<svg"))
         || (text.starts_with('{')
             && [
@@ -53,31 +54,81 @@ pub(super) fn is_shape(path: &Path) -> bool {
             .any(|word| text.contains(word)))
 }
 
+fn is_pair_text(text: &str) -> bool {
+    text.starts_with('{') && text.contains("\"anamorph-pair\"")
+}
+
+/// Whether a file holds a pair of meshes, by its first bytes.
+pub(super) fn is_pair(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = std::fs::File::open(path).map(|file| file.take(1 << 16).read_to_end(&mut head));
+    let text = String::from_utf8_lossy(&head);
+    matches!(read, Ok(Ok(_))) && is_pair_text(text.trim_start_matches('\u{feff}').trim_start())
+}
+
 /// Reads all inputs, and lays them on one sheet.
-pub(super) fn read(options: &MorphOptions) -> Result<Vec<Input>, Failure> {
-    files::at_most_one_stream(options.images.iter())?;
-    let fonts: Vec<bool> = options.images.iter().map(|path| is_font(path)).collect();
+pub(super) fn read(paths: &[PathBuf], options: &ShapeOptions) -> Result<Vec<Input>, Failure> {
+    files::at_most_one_stream(paths.iter())?;
+    if let [path] = paths {
+        // What cannot be read is said first.
+        files::read(path)?;
+    }
+    if paths.len() < 2 {
+        return Err(Failure::usage(
+            "one shape becomes another; name two or more, or a pair of meshes, as `anamorph mesh` writes it",
+        ));
+    }
+    let fonts: Vec<bool> = paths.iter().map(|path| is_font(path)).collect();
     let wanted = fonts.iter().filter(|font| **font).count();
     if options.text.len() != wanted && !(options.text.len() == 1 && wanted > 1) {
         return Err(Failure::usage(format!(
             "--text: there are {wanted} fonts among the inputs; give a text for each, as in --text A B"
         )));
     }
+    check_axes(&options.axis, wanted)?;
     let mut texts = options.text.iter().cycle();
-    let mut inputs = Vec::new();
-    for (path, is_font) in options.images.iter().zip(fonts) {
+    let (mut inputs, mut number) = (Vec::new(), 0);
+    for (path, is_font) in paths.iter().zip(fonts) {
         let text = if is_font { texts.next() } else { None };
-        inputs.push(Input::read(path, text, options)?);
+        let font = text.map(|text| {
+            let place = |axis: &Axis| {
+                let own = axis.values.get(number).or(axis.values.first());
+                own.map(|value| (axis.name.clone(), *value))
+            };
+            let axes = options.axis.iter().filter_map(place).collect();
+            number += 1;
+            let set = FontOptions {
+                axes,
+                ..FontOptions::default()
+            };
+            (text, set)
+        });
+        inputs.push(Input::read(path, font.as_ref(), options)?);
     }
     // Shapes of sheets of their own come to lie on the first's, as large as they can be.
-    let first = (inputs[0].view, inputs[0].has_canvas);
-    let all_fonts = inputs.iter().all(|input| !input.has_canvas) && wanted == inputs.len();
+    let first = inputs[0].view;
+    // Letters keep their sizes.
+    let all_fonts = wanted == inputs.len();
     if !all_fonts {
         for input in &mut inputs[1..] {
-            input.fit(first.0);
+            input.fit(first);
         }
     }
     Ok(inputs)
+}
+
+/// Refuses axes without fonts, and numbers that are neither one nor one for each.
+fn check_axes(axes: &[Axis], fonts: usize) -> Result<(), Failure> {
+    for axis in axes {
+        let count = axis.values.len();
+        if fonts == 0 || (count != 1 && count != fonts) {
+            return Err(Failure::usage(format!(
+                "--axis {}: it has {count} numbers, and there are {fonts} fonts among the inputs; give one number, or one for each font",
+                axis.name
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn is_font(path: &Path) -> bool {
@@ -87,20 +138,31 @@ fn is_font(path: &Path) -> bool {
 }
 
 impl Input {
-    fn read(path: &Path, text: Option<&String>, options: &MorphOptions) -> Result<Self, Failure> {
+    fn read(
+        path: &Path,
+        font: Option<&(&String, FontOptions)>,
+        options: &ShapeOptions,
+    ) -> Result<Self, Failure> {
         let bytes = files::read(path)?;
         let shown = files::shown(path);
         let failed = |error: &dyn std::fmt::Display| Failure::new(format!("{shown}: {error}"));
-        let drawing = match text {
-            Some(text) => outlines::read_text(&bytes, text, &FontOptions::default()),
+        let drawing = match font {
+            Some((text, set)) => outlines::read_text(&bytes, text, set),
             None if options.silhouette && ImageFormat::of_content(&bytes).is_some() => {
                 return Self::silhouette(&bytes, &shown, options);
             }
             None => outlines::read(&bytes),
         };
         let drawing = drawing.map_err(|error| failed(&error))?.turned(true);
-        let name = match text {
-            Some(text) => format!("{shown} `{text}`"),
+        let name = match font {
+            Some((text, set)) if set.axes.is_empty() => format!("{shown} `{text}`"),
+            Some((text, set)) => {
+                let places = set.axes.iter();
+                let places: Vec<String> = places
+                    .map(|(name, value)| format!("{name}={value}"))
+                    .collect();
+                format!("{shown} `{text}` {}", places.join(" "))
+            }
             None => shown.clone(),
         };
         Self::of_drawing(name, &drawing, options).map_err(|error| match error {
@@ -112,7 +174,7 @@ impl Input {
     fn of_drawing(
         name: String,
         drawing: &Drawing,
-        options: &MorphOptions,
+        options: &ShapeOptions,
     ) -> Result<Self, Failure> {
         let view = drawing.view();
         let tolerance = options
@@ -184,13 +246,13 @@ impl Input {
             parts,
             fills,
             view,
+            canvas: view,
             notes,
-            has_canvas: drawing.canvas.is_some(),
         })
     }
 
     /// The outline of what is opaque in an image, or dark where it has no alpha.
-    fn silhouette(bytes: &[u8], shown: &str, options: &MorphOptions) -> Result<Self, Failure> {
+    fn silhouette(bytes: &[u8], shown: &str, options: &ShapeOptions) -> Result<Self, Failure> {
         let failed = |error: &dyn std::fmt::Display| Failure::new(format!("{shown}: {error}"));
         let image =
             ImageFile::read(bytes, ImageLimits::of_file(bytes.len())).map_err(|e| failed(&e))?;
@@ -221,12 +283,46 @@ impl Input {
                 }
             }
         }
+        let corner = to + (DVec2::new(self.view[0], self.view[1]) - from) * scale;
+        self.canvas = [
+            corner.x,
+            corner.y,
+            self.view[2] * scale,
+            self.view[3] * scale,
+        ];
+        // Sheets of the same form lie on each other exactly.
+        let far = self.canvas.iter().zip(&sheet).map(|(a, b)| (a - b).abs());
+        if far.fold(0.0, f64::max) <= 1e-9 * sheet[2].max(sheet[3]) {
+            self.canvas = sheet;
+        }
         self.view = sheet;
+    }
+
+    /// Its name without folders.
+    pub(super) fn short_name(&self) -> String {
+        let (path, text) = self
+            .name
+            .split_at(self.name.find(" `").unwrap_or(self.name.len()));
+        let file = Path::new(path).file_name();
+        let file = file.map_or(path.into(), |file| file.to_string_lossy());
+        format!("{file}{text}")
+    }
+
+    /// What stands for one side of a pair of meshes.
+    pub(super) fn of_pair(name: String, view: [f64; 4], notes: Vec<String>) -> Self {
+        Self {
+            name,
+            parts: Vec::new(),
+            fills: Vec::new(),
+            view,
+            canvas: view,
+            notes,
+        }
     }
 }
 
 /// The anchors of each step, from the files of `--anchors`.
-pub(super) fn anchors(options: &MorphOptions, inputs: usize) -> Result<Vec<Vec<Anchor>>, Failure> {
+pub(super) fn anchors(options: &ShapeOptions, inputs: usize) -> Result<Vec<Vec<Anchor>>, Failure> {
     let steps = inputs - 1;
     if options.anchors.is_empty() {
         return Ok(vec![Vec::new(); steps]);

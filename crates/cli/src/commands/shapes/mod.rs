@@ -4,22 +4,31 @@
 //! step of a chain is a figure (module `figures` of `anamorph-morph`), prepared once; frames are drawn from it.
 
 mod inputs;
+pub(crate) mod mesh;
 mod outputs;
+mod pairs;
+mod plots;
 mod sheets;
+mod textures;
 
 use super::frames::{Frame, Frames};
 use crate::arguments::MorphOptions;
 use crate::error::{Failure, say};
 use crate::files;
 use crate::progress::Progress;
+use crate::shape_arguments::ShapeOptions;
 use anamorph_core::glam::DVec2;
 use anamorph_curves::eases::Ease;
 use anamorph_io::outlines::{Drawing, Fill, Part, Rule, mix_fill};
 use anamorph_morph::figures::{Figure, FigureOptions};
+use anamorph_morph::matching::Anchor;
+use anamorph_morph::shapes::Pieces;
 use anamorph_morph::strain::{self, Settings};
 use inputs::Input;
 use outputs::Output;
+use pairs::Meshes;
 use rayon::prelude::*;
+use std::path::PathBuf;
 
 /// Frames of a step if nothing is said.
 const FRAMES: usize = 25;
@@ -28,7 +37,7 @@ const INSTEAD: &str = "as-rigid-as-possible";
 
 /// Whether the inputs are shapes.
 pub(crate) fn are_shapes(options: &MorphOptions) -> bool {
-    options.silhouette || options.images.iter().any(|path| inputs::is_shape(path))
+    options.shapes.silhouette || options.images.iter().any(|path| inputs::is_shape(path))
 }
 
 /// From one shape to the next.
@@ -40,44 +49,112 @@ struct Step {
 
 /// Morphs what the arguments name.
 pub(crate) fn run(options: &MorphOptions) -> Result<(), Failure> {
+    on_threads(options.threads, || morph(options))
+}
+
+/// Works on so many threads.
+fn on_threads(
+    threads: Option<usize>,
+    work: impl FnOnce() -> Result<(), Failure> + Send,
+) -> Result<(), Failure> {
     let mut pool = rayon::ThreadPoolBuilder::new();
-    if let Some(threads) = options.threads {
+    if let Some(threads) = threads {
         pool = pool.num_threads(threads);
     }
     let pool = pool
         .build()
         .map_err(|error| Failure::new(format!("cannot start threads: {error}")))?;
-    pool.install(|| morph(options))
+    pool.install(work)
+}
+
+/// What is morphed: shapes to be matched, or meshes that are there already.
+struct Sources {
+    inputs: Vec<Input>,
+    meshes: Option<Meshes>,
+    /// Anchors of each step.
+    anchors: Vec<Vec<Anchor>>,
+    pieces: Pieces,
+}
+
+impl Sources {
+    fn read(paths: &[PathBuf], options: &ShapeOptions) -> Result<Self, Failure> {
+        let pieces = options.pieces.map(Into::into).unwrap_or_default();
+        if let Some(path) = paths.iter().find(|path| inputs::is_pair(path)) {
+            if paths.len() > 1 {
+                return Err(Failure::usage(format!(
+                    "{}: a pair of meshes is both shapes already; name it alone",
+                    path.display()
+                )));
+            }
+            if let Some(name) = options.given().filter(|name| *name != "--size") {
+                return Err(Failure::usage(format!(
+                    "{name}: only shapes have it; the input is a pair of meshes, matched already"
+                )));
+            }
+            let (inputs, meshes) = pairs::read(path)?;
+            return Ok(Self {
+                inputs: inputs.into(),
+                meshes: Some(meshes),
+                anchors: vec![Vec::new()],
+                pieces,
+            });
+        }
+        let inputs = inputs::read(paths, options)?;
+        Ok(Self {
+            anchors: inputs::anchors(options, inputs.len())?,
+            inputs,
+            meshes: None,
+            pieces,
+        })
+    }
+
+    /// All steps, with in-betweens by a method.
+    fn steps(&self, method: &strain::Method) -> Result<Vec<Step>, Failure> {
+        if let Some(meshes) = &self.meshes {
+            return Ok(vec![meshes.step(&self.inputs[0].name, method)?]);
+        }
+        let windows = self.inputs.windows(2).zip(&self.anchors);
+        windows
+            .map(|(ends, anchors)| {
+                let options = FigureOptions {
+                    pieces: self.pieces,
+                    anchors: anchors.clone(),
+                    settings: Settings::default(),
+                    ..FigureOptions::default()
+                };
+                Step::new(ends, method, &options)
+            })
+            .collect()
+    }
 }
 
 fn morph(options: &MorphOptions) -> Result<(), Failure> {
     refuse_options_of_images(options)?;
-    let output = Output::of(options)?;
-    for path in [&options.metrics, &options.matching].into_iter().flatten() {
+    let between = &options.between;
+    let output = if between.texture.is_empty() {
+        Some(Output::of(options)?)
+    } else {
+        textures::check_output(options)?;
+        None
+    };
+    if let Some(path) = &between.strain_plot {
+        plots::check(path)?;
+    }
+    let beside = [&between.metrics, &between.matching, &between.strain_plot];
+    for path in beside.into_iter().flatten() {
         files::refuse_existing(path, options.force)?;
     }
-    output.check(options)?;
-    let inputs = inputs::read(options)?;
-    let method = strain::method(options.scheme.as_deref().unwrap_or(strain::METHODS[0].name))
+    if let Some(output) = &output {
+        output.check(options)?;
+    }
+    let sources = Sources::read(&options.images, &options.shapes)?;
+    let inputs = &sources.inputs;
+    let method = strain::method(between.scheme.as_deref().unwrap_or(strain::METHODS[0].name))
         .map_err(|error| Failure::usage(format!("--scheme: {error}")))?;
     let ease = options.ease.as_deref().unwrap_or("linear");
     let ease = anamorph_curves::eases::parse(ease)
         .map_err(|error| Failure::usage(format!("--ease: {error}")))?;
-    let anchors = inputs::anchors(options, inputs.len())?;
-    let figure_options = |step: usize| FigureOptions {
-        pieces: options.pieces.map(Into::into).unwrap_or_default(),
-        anchors: anchors[step].clone(),
-        settings: Settings::default(),
-        ..FigureOptions::default()
-    };
-    let prepare = |method: &strain::Method| -> Result<Vec<Step>, Failure> {
-        let windows = inputs.windows(2).enumerate();
-        windows
-            .map(|(number, ends)| Step::new(ends, method, &figure_options(number)))
-            .collect()
-    };
-    let mut steps = prepare(&method)?;
-    let count = steps.len();
+    let count = inputs.len() - 1;
     let frames = match options.at {
         Some(_) => None,
         None => Some(Frames::new(
@@ -94,17 +171,65 @@ fn morph(options: &MorphOptions) -> Result<(), Failure> {
             time: options.at.unwrap_or(0.0),
         }],
     };
-    let view = common_view(&inputs);
-    let most = steps.iter().map(|step| step.fills.len()).max().unwrap_or(0);
-    let draw = |steps: &[Step]| -> Result<Vec<Drawing>, (usize, strain::FrameError)> {
-        let progress = Progress::new("morphing", list.len(), options.quiet);
-        let drawn: Vec<_> = list
+    // An ease may go beyond both ends; shapes do not.
+    let moments = list.iter().map(|frame| {
+        let (step, time) = moment(frame.time, count);
+        (step, ease.value(time).clamp(0.0, 1.0))
+    });
+    let moments: Vec<(usize, f64)> = moments.collect();
+    let view = common_view(inputs);
+    let steps = match &output {
+        Some(output) => {
+            let (drawings, steps) =
+                all_frames(options, &sources, &method, &moments, |steps, step, time| {
+                    let most = steps.iter().map(|step| step.fills.len()).max();
+                    steps[step].draw(time, view, most.unwrap_or(0))
+                })?;
+            output.write(options, frames.as_ref(), &list, &drawings, &steps, &moments)?;
+            steps
+        }
+        None => {
+            let textures = textures::Textures::read(options, inputs, view)?;
+            let (pieces, steps) =
+                all_frames(options, &sources, &method, &moments, |steps, step, time| {
+                    steps[step].figure.at(time)
+                })?;
+            textures.write(options, frames.as_ref(), &list, &pieces, &steps, &moments)?;
+            steps
+        }
+    };
+    if let Some(path) = &between.metrics {
+        sheets::metrics(path, options, inputs, &steps)?;
+    }
+    if let Some(path) = &between.matching {
+        sheets::matching(path, options, inputs, &steps)?;
+    }
+    if let Some(path) = &between.strain_plot {
+        plots::write(path, options, inputs, &steps)?;
+    }
+    if !options.quiet {
+        say_result(options, inputs, &steps, list.len());
+    }
+    Ok(())
+}
+
+/// What all frames show, on all cores, and the steps that it is of; by another method where strain fields come to no end, and no scheme was asked for.
+fn all_frames<T: Send>(
+    options: &MorphOptions,
+    sources: &Sources,
+    method: &strain::Method,
+    moments: &[(usize, f64)],
+    draw: impl Fn(&[Step], usize, f64) -> Result<T, strain::FrameError> + Sync,
+) -> Result<(Vec<T>, Vec<Step>), Failure> {
+    let inputs = &sources.inputs;
+    let all = |steps: &[Step]| -> Result<Vec<T>, (usize, strain::FrameError)> {
+        let progress = Progress::new("morphing", moments.len(), options.quiet);
+        let drawn: Vec<_> = moments
             .par_iter()
-            .map(|frame| {
-                let (step, time) = moment(frame.time, count);
-                let drawing = steps[step].draw(ease.value(time), view, most);
+            .map(|&(step, time)| {
+                let drawn = draw(steps, step, time);
                 progress.add(1);
-                drawing.map_err(|error| (step, error))
+                drawn.map_err(|error| (step, error))
             })
             .collect();
         drawn.into_iter().collect()
@@ -113,30 +238,22 @@ fn morph(options: &MorphOptions) -> Result<(), Failure> {
         let (from, to) = (&inputs[step].name, &inputs[step + 1].name);
         Failure::new(format!("{from} and {to}: {error}"))
     };
-    let drawings = match draw(&steps) {
-        Err((step, error @ strain::FrameError::Stalled { .. })) if options.scheme.is_none() => {
+    let steps = sources.steps(method)?;
+    match all(&steps) {
+        Err((step, error @ strain::FrameError::Stalled { .. }))
+            if options.between.scheme.is_none() =>
+        {
             say!(
                 "  note: {} and {}: {error}; all is drawn by `{INSTEAD}` instead",
                 inputs[step].name,
                 inputs[step + 1].name
             );
             let instead = strain::method(INSTEAD).map_err(Failure::new)?;
-            steps = prepare(&instead)?;
-            draw(&steps).map_err(failed)?
+            let steps = sources.steps(&instead)?;
+            Ok((all(&steps).map_err(failed)?, steps))
         }
-        other => other.map_err(failed)?,
-    };
-    output.write(options, frames.as_ref(), &list, &drawings, &steps)?;
-    if let Some(path) = &options.metrics {
-        sheets::metrics(path, options, &inputs, &steps)?;
+        other => Ok((other.map_err(failed)?, steps)),
     }
-    if let Some(path) = &options.matching {
-        sheets::matching(path, options, &inputs, &steps)?;
-    }
-    if !options.quiet {
-        say_result(options, &inputs, &steps, list.len());
-    }
-    Ok(())
 }
 
 /// Says what was made.
@@ -225,8 +342,6 @@ impl Step {
 
     /// What is between at `t`, with as many parts as asked for.
     fn draw(&self, t: f64, view: [f64; 4], parts: usize) -> Result<Drawing, strain::FrameError> {
-        // An ease may go beyond both ends; shapes do not.
-        let t = t.clamp(0.0, 1.0);
         let mut drawing = Drawing {
             canvas: Some(view),
             y_down: true,

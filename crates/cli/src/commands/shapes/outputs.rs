@@ -31,6 +31,8 @@ pub(super) enum Output {
     Lottie(PathBuf),
     Film(PathBuf, AnimationFormat),
     Glb(PathBuf),
+    /// A file for each step.
+    GlbSteps(Pattern),
     Numbered(Pattern, Kind),
     Single(PathBuf, Kind),
 }
@@ -65,6 +67,9 @@ impl Output {
             return Ok(Self::Single(path.clone(), kind));
         }
         if let Some(pattern) = Pattern::find(path)? {
+            if extension == "glb" {
+                return Ok(Self::GlbSteps(pattern));
+            }
             return Ok(Self::Numbered(pattern, kind.ok_or_else(unknown)?));
         }
         Ok(match extension {
@@ -96,7 +101,7 @@ impl Output {
             files::refuse_existing(path, options.force)
         };
         match self {
-            Self::Numbered(..) => {
+            Self::Numbered(..) | Self::GlbSteps(_) => {
                 let folder = files::folder_of(&options.output);
                 if folder.is_dir() {
                     Ok(())
@@ -123,8 +128,10 @@ impl Output {
         list: &[Frame],
         drawings: &[Drawing],
         steps: &[Step],
+        moments: &[(usize, f64)],
     ) -> Result<(), Failure> {
         let rate = frames.map_or(24.0, Frames::rate);
+        let view = drawings.first().map_or([0.0; 4], Drawing::view);
         let moving = Moving::new(drawings, rate);
         match self {
             Self::Svg(path) => fill(path, options.force, |out| {
@@ -142,23 +149,41 @@ impl Output {
                 }
                 film.finish().map_err(Failure::new)
             }),
-            Self::Glb(path) => glb(path, options, list, steps, rate),
-            Self::Single(path, kind) => one(
-                path,
-                *kind,
-                options.force,
-                &drawings[0],
-                options,
-                steps,
-                &list[0],
-            ),
+            Self::Glb(path) => {
+                let [step] = steps else {
+                    return Err(Failure::usage(format!(
+                        "{}: each step of a chain has a mesh of its own, which no animation can exchange; say where the steps' numbers go, as \
+                         in out.%d.glb",
+                        path.display()
+                    )));
+                };
+                let times: Vec<f64> = moments.iter().map(|(_, time)| *time).collect();
+                glb(path, options, step, &times, rate, view)
+            }
+            Self::GlbSteps(pattern) => {
+                let paths: Vec<PathBuf> =
+                    (1_i64..).zip(steps).map(|(i, _)| pattern.path(i)).collect();
+                for path in &paths {
+                    files::refuse_existing(path, options.force)?;
+                }
+                // Each goes from one end to the other.
+                let count = (moments.len().saturating_sub(1))
+                    .div_ceil(steps.len())
+                    .max(1);
+                let times: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64).collect();
+                for (step, path) in steps.iter().zip(&paths) {
+                    glb(path, options, step, &times, rate, view)?;
+                }
+                Ok(())
+            }
+            Self::Single(path, kind) => one(path, *kind, options, &drawings[0], steps, moments[0]),
             Self::Numbered(pattern, kind) => {
                 for frame in list {
                     files::refuse_existing(&pattern.path(frame.number), options.force)?;
                 }
-                for (frame, drawing) in list.iter().zip(drawings) {
+                for ((frame, drawing), moment) in list.iter().zip(drawings).zip(moments) {
                     let path = pattern.path(frame.number);
-                    one(&path, *kind, options.force, drawing, options, steps, frame)?;
+                    one(&path, *kind, options, drawing, steps, *moment)?;
                 }
                 Ok(())
             }
@@ -169,14 +194,13 @@ impl Output {
 fn one(
     path: &Path,
     kind: Kind,
-    replace: bool,
-    drawing: &Drawing,
     options: &MorphOptions,
+    drawing: &Drawing,
     steps: &[Step],
-    frame: &Frame,
+    (step, time): (usize, f64),
 ) -> Result<(), Failure> {
     let rounding = Rounding::for_drawing(drawing);
-    fill(path, replace, |out| match kind {
+    fill(path, options.force, |out| match kind {
         Kind::Svg => write_svg(drawing, None, out).map_err(Failure::new),
         Kind::Polygons => write_polygons(drawing, 1e-3, rounding, out).map_err(Failure::new),
         Kind::Png => {
@@ -185,13 +209,13 @@ fn one(
                 .map_err(|error| Failure::written(path, &error))
         }
         Kind::Obj => {
-            let (step, time) = super::moment(frame.time, steps.len());
             let (triangles, places) = mesh(&steps[step], time)?;
             let all = [places];
+            let textures = textures(&steps[step], drawing.view());
             let frames = MeshFrames {
                 triangles: &triangles,
                 frames: &all,
-                textures: None,
+                textures: Some(&textures),
                 y_down: true,
                 fill: None,
                 rate: 24.0,
@@ -205,7 +229,7 @@ fn one(
 /// A frame as pixels on white.
 pub(super) fn picture(drawing: &Drawing, options: &MorphOptions) -> Result<Picture, Failure> {
     let [x, y, width, height] = drawing.view();
-    let scale = options.size.unwrap_or(SIZE) / width.max(height);
+    let scale = options.shapes.size.unwrap_or(SIZE) / width.max(height);
     let mut figure = Figure::new(
         (width * scale).ceil().max(1.0),
         (height * scale).ceil().max(1.0),
@@ -242,31 +266,35 @@ fn mesh(step: &Step, t: f64) -> Result<(Vec<[u32; 3]>, Vec<DVec2>), Failure> {
     Ok((triangles, places))
 }
 
-/// One mesh with the frames as morph targets. Chains have a mesh for each step, and cannot be one.
+/// Texture coordinates of the points of a step, the same in all frames: where they are on the canvas in the source, `v` upwards.
+fn textures(step: &Step, [x, y, width, height]: [f64; 4]) -> Vec<DVec2> {
+    let couples = step.figure.couples().iter();
+    let points = couples.flat_map(|couple| &couple.mesh.source);
+    let place = |p: &DVec2| DVec2::new((p.x - x) / width, 1.0 - (p.y - y) / height);
+    points.map(place).collect()
+}
+
+/// One mesh with the frames as morph targets.
 fn glb(
     path: &Path,
     options: &MorphOptions,
-    list: &[Frame],
-    steps: &[Step],
+    step: &Step,
+    times: &[f64],
     rate: f64,
+    view: [f64; 4],
 ) -> Result<(), Failure> {
-    let [step] = steps else {
-        return Err(Failure::usage(format!(
-            "{}: a chain has another mesh for each step; write a file for each",
-            path.display()
-        )));
-    };
     let mut frames = Vec::new();
     let mut triangles = Vec::new();
-    for frame in list {
-        let (corners, places) = mesh(step, frame.time)?;
+    for time in times {
+        let (corners, places) = mesh(step, *time)?;
         triangles = corners;
         frames.push(places);
     }
+    let textures = textures(step, view);
     let frames = MeshFrames {
         triangles: &triangles,
         frames: &frames,
-        textures: None,
+        textures: Some(&textures),
         y_down: true,
         fill: step.fills.first().and_then(|fills| fills[0].or(fills[1])),
         rate,

@@ -201,16 +201,26 @@ pub(super) fn matching(
             }
         }
     }
+    write_figure(path, options.force, &figure, "what becomes what")
+}
+
+/// Writes a drawing as SVG or PNG, by the extension.
+pub(super) fn write_figure(
+    path: &Path,
+    replace: bool,
+    figure: &Figure,
+    label: &str,
+) -> Result<(), Failure> {
     let is_svg = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("svg"));
     let bytes = if is_svg {
-        figure.svg("what becomes what").into_bytes()
+        figure.svg(label).into_bytes()
     } else {
         let picture = figure.picture().map_err(Failure::new)?;
         picture.png().map_err(Failure::new)?
     };
-    fill(path, options.force, |out| {
+    fill(path, replace, |out| {
         out.write_all(&bytes)
             .map_err(|error| Failure::written(path, &error))
     })
