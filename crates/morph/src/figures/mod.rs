@@ -18,7 +18,7 @@ use anamorph_meshing::compatible::{
 use anamorph_meshing::planar::Region;
 
 /// Size of a speck beside the region that it is in.
-const SPECK: f64 = 1e-3;
+const SPECK: f64 = 4e-3;
 /// And at most so much of the way to the nearest border.
 const ROOM: f64 = 0.25;
 

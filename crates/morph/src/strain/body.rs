@@ -13,6 +13,9 @@ use super::tensor::{Strain, cross, rotation, shorter};
 use anamorph_core::glam::DVec2;
 use anamorph_solvers::SolverError;
 
+/// The barrier in units of the energy, of an element of mean size.
+const STIFFNESS: f64 = 1e-2;
+
 /// A domain that strains are measured from.
 #[derive(Debug, Clone)]
 pub(crate) struct Domain {
@@ -53,6 +56,10 @@ pub(crate) struct Body {
     /// Corners of quadrilaterals and middles of triangles, for determinants, with the strains of the target there.
     pub(crate) guards: Points,
     pub(crate) guarded: Vec<Strain>,
+    /// What guards count beside their areas: small elements as much as those of mean size, since they are not to vanish either.
+    pub(crate) shares: Vec<f64>,
+    /// Of the barrier, in units of the energy.
+    pub(crate) stiffness: Vec<f64>,
     pub(crate) system: System,
     pub(crate) stitching: Stitching,
     pub(crate) gauge: [usize; 2],
@@ -148,6 +155,15 @@ impl Body {
         let stitching = Stitching::new(&points, count, held[0], false)?;
         let guards = Points::new(&elements, &source, Where::Corners);
         let guarded = strains(&guards, &target);
+        let mean = guards.weights().sum::<f64>() / guards.len().max(1) as f64;
+        let share = |weight: f64| {
+            if weight > 0.0 {
+                (mean / weight).clamp(1.0, 1e12)
+            } else {
+                1.0
+            }
+        };
+        let shares: Vec<f64> = guards.weights().map(share).collect();
 
         // Rotations in the middles of elements, unwound, lead those at the points.
         let mut middles = vec![0.0; elements.len()];
@@ -228,6 +244,8 @@ impl Body {
             corners,
             guards,
             guarded,
+            stiffness: shares.iter().map(|share| STIFFNESS * share).collect(),
+            shares,
             system,
             stitching,
             gauge: held,

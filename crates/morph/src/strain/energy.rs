@@ -117,11 +117,11 @@ impl Term for StrainTerm<'_> {
     }
 }
 
-/// `−κ (1 − r)² ln r` of the determinant's ratio `r` to a threshold, nothing above it: keeps elements from vanishing.
+/// `−κ (1 − r)² ln r` of the determinant's ratio `r` to a threshold, nothing above it: keeps elements from vanishing. `κ` is that of each point.
 #[derive(Clone, Copy)]
 pub(crate) struct BarrierTerm<'a> {
     pub(crate) thresholds: &'a [f64],
-    pub(crate) stiffness: f64,
+    pub(crate) stiffness: &'a [f64],
 }
 
 impl BarrierTerm<'_> {
@@ -136,7 +136,7 @@ impl BarrierTerm<'_> {
             return Some([f64::INFINITY, 0.0, 0.0]);
         }
         let (rest, log) = (1.0 - ratio, anamorph_core::math::ln(ratio));
-        let k = self.stiffness;
+        let k = self.stiffness[point];
         Some([
             -k * rest * rest * log,
             k * (2.0 * rest * log - rest * rest / ratio) / threshold,
@@ -442,7 +442,7 @@ mod tests {
         };
         let barrier = BarrierTerm {
             thresholds: &[1.5],
-            stiffness: 0.3,
+            stiffness: &[0.3],
         };
         let f = [0.8, 0.3, -0.4, 0.9];
         check(&strain, f);

@@ -37,8 +37,6 @@ const MOST_UNTANGLING: usize = 100;
 /// Steps after that, and the share of the energy below which they end.
 const MOST_POLISHING: usize = 15;
 const POLISHED: f64 = 1e-3;
-/// The barrier in units of the energy.
-const STIFFNESS: f64 = 1e-2;
 
 /// Room for the search, used again from frame to frame; nothing of a frame is left for the next.
 #[derive(Default)]
@@ -134,7 +132,7 @@ pub(crate) fn energy(
             .energy(&StrainTerm { wanted, shear }, positions);
     }
     if let Some(thresholds) = thresholds {
-        let stiffness = STIFFNESS;
+        let stiffness = &body.stiffness;
         sum += body.guards.energy(
             &BarrierTerm {
                 thresholds,
@@ -169,7 +167,7 @@ fn slopes(body: &Body, room: &mut Room, shear: f64, barrier: bool) {
     if barrier {
         let term = BarrierTerm {
             thresholds,
-            stiffness: STIFFNESS,
+            stiffness: &body.stiffness,
         };
         body.guards.gradient(&term, positions, gradient);
     }
@@ -216,7 +214,7 @@ fn assemble(body: &Body, room: &mut Room, search: Search, curvature: Curvature) 
     if search.barrier {
         let term = BarrierTerm {
             thresholds,
-            stiffness: STIFFNESS,
+            stiffness: &body.stiffness,
         };
         body.guards
             .assemble(&term, positions, curvature, places, &mut sums);
@@ -570,7 +568,11 @@ pub(crate) fn untangle(
     for _ in 0..MOST_UNTANGLING {
         level(body, &mut room.positions);
         let epsilon = untangle::epsilon(smallest);
-        let term = UntangleTerm { inverses, epsilon };
+        let term = UntangleTerm {
+            inverses,
+            shares: &body.shares,
+            epsilon,
+        };
         let Room {
             positions,
             gradient,

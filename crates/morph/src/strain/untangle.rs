@@ -20,6 +20,8 @@ const LAMBDA: f64 = 0.5;
 pub(crate) struct UntangleTerm<'a> {
     /// Inverses of the stretches that are wanted.
     pub(crate) inverses: &'a [DMat2],
+    /// What each point counts beside its area.
+    pub(crate) shares: &'a [f64],
     pub(crate) epsilon: f64,
 }
 
@@ -77,12 +79,13 @@ fn cofactor(jacobian: DMat2) -> [DVec2; 2] {
 impl Term for UntangleTerm<'_> {
     fn energy(&self, point: usize, gradient: DMat2) -> f64 {
         let parts = self.parts(point, gradient);
-        parts.sum / parts.chi
+        self.shares[point] * parts.sum / parts.chi
     }
 
     fn first(&self, point: usize, gradient: DMat2) -> [DVec2; 2] {
         let parts = self.parts(point, gradient);
-        let (straight, by_det) = (2.0 / parts.chi, Self::by_det(&parts));
+        let share = self.shares[point];
+        let (straight, by_det) = (share * 2.0 / parts.chi, share * Self::by_det(&parts));
         let turned = cofactor(parts.jacobian);
         let axes = [parts.jacobian.x_axis, parts.jacobian.y_axis];
         self.carried(
@@ -101,10 +104,11 @@ impl Term for UntangleTerm<'_> {
             sum,
             ..
         } = parts;
-        let straight = 2.0 / chi;
+        let share = self.shares[point];
+        let straight = share * 2.0 / chi;
         let curve = 2.0 * LAMBDA / chi - 4.0 * LAMBDA * det / (chi * root)
             + sum / (chi * root * root) * (1.0 + det / root);
-        let curve = curve.max(0.0);
+        let curve = share * curve.max(0.0);
         let turned = self.carried(point, cofactor(parts.jacobian));
         let by = [turned[0].x, turned[0].y, turned[1].x, turned[1].y];
         let mut second = [[0.0; 4]; 4];
@@ -124,7 +128,7 @@ impl Term for UntangleTerm<'_> {
             }
         }
         Some(Local {
-            energy: sum / chi,
+            energy: share * sum / chi,
             first: self.first(point, gradient),
             second,
         })
@@ -150,6 +154,7 @@ mod tests {
         for epsilon in [1e-12, 0.3] {
             let term = UntangleTerm {
                 inverses: &inverses,
+                shares: &[0.7],
                 epsilon,
             };
             for f in [[0.8, 0.3, -0.4, 0.9], [0.8, 0.3, 0.9, 0.2]] {
@@ -185,6 +190,7 @@ mod tests {
         let inverses = [DMat2::from_cols_array(&[0.8, 0.2, 0.2, 1.7])];
         let term = UntangleTerm {
             inverses: &inverses,
+            shares: &[0.7],
             epsilon: 1e-12,
         };
         let wanted = inverses[0].inverse();
