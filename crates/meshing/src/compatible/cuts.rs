@@ -1,8 +1,8 @@
 //! Two regions cut open along paths that correspond, until each is a disk whose border has the same points in the same order.
 //!
 //! Rings, and inner points that were asked for, are joined to what is joined already, each by one path between a pair of points that are near to each
-//! other in both regions; no point has two. A path goes along an edge of the triangulation where there is one, else through the
-//! middles of the edges of a strip of triangles; both paths get equally many points. Joined to a border of which both
+//! other in both regions; no point has two. A path goes along an edge of the triangulation where there is one, else through a
+//! strip of triangles, away from their corners; both paths get equally many points. Joined to a border of which both
 //! regions have the same points in the same order, a ring can be joined anywhere: the order stays the same.
 //!
 //! *Source*: Yan, Hu and Martin 2004, "Triangulation and Patching" (disjoint paths in the same cyclic order). That paths join rings and not
@@ -12,6 +12,9 @@ use crate::planar::{Region, RegionError, constrained};
 use anamorph_core::glam::DVec2;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
+
+/// The share of a gate's width that a path keeps from its ends.
+const NARROWEST: f64 = 0.2;
 
 /// Both regions as disks.
 pub(super) struct Disks {
@@ -126,7 +129,7 @@ fn way_through(
     // By length, then by number: lengths of positive numbers are ordered as their bits are.
     let mut heap = BinaryHeap::new();
     let mut length = vec![f64::INFINITY; triangles.len()];
-    let mut before: Vec<Option<(usize, DVec2)>> = vec![None; triangles.len()];
+    let mut before: Vec<Option<(usize, [u32; 2])>> = vec![None; triangles.len()];
     for (number, t) in triangles.iter().enumerate() {
         if t.contains(&from) {
             length[number] = 0.0;
@@ -140,14 +143,15 @@ fn way_through(
         }
         let t = triangles[number];
         if t.contains(&to) {
-            let mut way = Vec::new();
+            let mut gates = Vec::new();
             let mut at = number;
-            while let Some((earlier, middle)) = before[at] {
-                way.push(middle);
+            while let Some((earlier, edge)) = before[at] {
+                gates.push(edge.map(|i| points[i as usize]));
                 at = earlier;
             }
-            way.reverse();
-            return Some(way);
+            gates.reverse();
+            let ends = [from, to].map(|i| points[i as usize]);
+            return Some(straightened(&gates, ends));
         }
         for i in 0..3 {
             let (a, b) = (t[i], t[(i + 1) % 3]);
@@ -162,12 +166,44 @@ fn way_through(
             if far < length[next] {
                 length[next] = far;
                 here[next] = middle;
-                before[next] = Some((number, middle));
+                before[next] = Some((number, [a, b]));
                 heap.push(Reverse((far.to_bits(), next)));
             }
         }
     }
     None
+}
+
+/// Points of a way through gates, as few as there can be if each straight piece goes through the middles of the gates that it passes, or near
+/// them.
+fn straightened(gates: &[[DVec2; 2]], [from, to]: [DVec2; 2]) -> Vec<DVec2> {
+    let middle = |k: usize| gates.get(k).map_or(to, |[a, b]| 0.5 * (*a + *b));
+    // Where a straight piece passes a gate, as a share of its width.
+    let passes = |p: DVec2, q: DVec2, [a, b]: [DVec2; 2]| {
+        let (left, right) = ((q - p).perp_dot(a - p), (q - p).perp_dot(b - p));
+        let share = left / (left - right);
+        (NARROWEST..=1.0 - NARROWEST).contains(&share)
+    };
+    let mut way = Vec::new();
+    let (mut here, mut next) = (from, 0);
+    while next < gates.len() {
+        // The last point that can be seen from here through all gates on the way.
+        let mut last = next;
+        while last < gates.len() {
+            let there = middle(last + 1);
+            if !(next..=last).all(|k| passes(here, there, gates[k])) {
+                break;
+            }
+            last += 1;
+        }
+        if last == gates.len() {
+            break;
+        }
+        here = middle(last);
+        way.push(here);
+        next = last + 1;
+    }
+    way
 }
 
 /// Halves the longest piece until there are so many points between.

@@ -18,6 +18,8 @@ use anamorph_core::glam::{DMat2, DVec2};
 const EVEN: f64 = 3.464_101_615_137_754_4;
 /// How much worse triangles may become by joining points, before all is moved into place.
 const SLACKS: [f64; 3] = [30.0, 6.0, 1.5];
+/// Triangles for each point that stays, above which there are far too many.
+const MANY: usize = 12;
 /// Rounds of all changes.
 const ROUNDS: usize = 12;
 /// Sweeps over all points in a round.
@@ -35,14 +37,14 @@ const GAIN: f64 = 2e-3;
 pub(super) fn improve(mesh: &mut Mesh, largest: f64) {
     let mut work = Work::of(mesh);
     let mut before = work.total();
-    work.relax();
+    work.relax(1);
     for slack in SLACKS {
         while work.try_collapses(slack) {}
     }
     for _ in 0..ROUNDS {
-        work.relax();
+        work.relax(SWEEPS);
         work.collapse(1.0);
-        work.relax();
+        work.relax(SWEEPS);
         let _ = BAD.iter().any(|bad| work.try_splits(*bad));
         let after = work.total();
         if after > before * (1.0 - GAIN) {
@@ -166,9 +168,9 @@ impl Work {
     }
 
     /// Flips and moves until they bring little.
-    fn relax(&mut self) {
+    fn relax(&mut self, sweeps: usize) {
         let mut before = self.total();
-        for _ in 0..SWEEPS {
+        for _ in 0..sweeps {
             self.flip();
             for point in self.fixed as u32..self.places[0].len() as u32 {
                 self.settle(point, 1);
@@ -327,12 +329,31 @@ impl Work {
         if !trial.collapse(slack) {
             return false;
         }
-        trial.relax();
+        // While there are far too many, it is enough that nothing is in the way.
+        let many = trial.triangles.len() > MANY * self.fixed;
+        trial.relax(if many { 1 } else { SWEEPS });
         let better = trial.total() < self.total();
         if better {
+            trial.compact();
             *self = trial;
         }
         better
+    }
+
+    /// Drops what is dead.
+    fn compact(&mut self) {
+        if self.triangles.iter().filter(|t| **t == DEAD).count() * 4 < self.triangles.len() {
+            return;
+        }
+        self.triangles.retain(|t| *t != DEAD);
+        for list in &mut self.around {
+            list.clear();
+        }
+        for (number, triangle) in (0..).zip(&self.triangles) {
+            for &corner in triangle {
+                self.around[corner as usize].push(number);
+            }
+        }
     }
 
     /// Splits the longest edges of bad triangles, and keeps that if all is better in the end.
@@ -341,9 +362,9 @@ impl Work {
         if trial.split(bad) == 0 {
             return false;
         }
-        trial.relax();
+        trial.relax(SWEEPS);
         trial.collapse(1.0);
-        trial.relax();
+        trial.relax(SWEEPS);
         let better = trial.total() < self.total();
         if better {
             *self = trial;
@@ -376,7 +397,7 @@ impl Work {
             if count == 0 {
                 break;
             }
-            self.relax();
+            self.relax(SWEEPS);
         }
     }
 

@@ -8,8 +8,10 @@
 //! *Source*: H.-B. Yan, S.-M. Hu and R. Martin, *Morphing based on strain field interpolation*, Computer Animation and Virtual Worlds 15, 2004;
 //! errata S6 and S10. How parts share partners and how large specks are is decided here.
 
-use crate::matching::{Anchor, Consistent, MatchError, Thinning, Weights, match_outlines};
-use crate::shapes::{Part, PartPairing, Pieces, area, centroid, clearance, pair_holes, pair_parts};
+use crate::matching::{Anchor, Consistent, MatchError, Places, Thinning, Weights, match_placed};
+use crate::shapes::{
+    Part, PartPairing, Pieces, area, carry, centroid, clearance, pair_holes, pair_parts,
+};
 use crate::strain::{Element, FrameError, InBetween, Method, PairError, PrepareError, Settings};
 use anamorph_core::glam::DVec2;
 use anamorph_meshing::compatible::{
@@ -18,9 +20,13 @@ use anamorph_meshing::compatible::{
 use anamorph_meshing::planar::Region;
 
 /// Size of a speck beside the region that it is in.
-const SPECK: f64 = 4e-3;
+const SPECK: f64 = 1e-2;
 /// And at most so much of the way to the nearest border.
 const ROOM: f64 = 0.25;
+
+/// Places that are tried for a speck, and how often it is made smaller.
+const TURNS: u32 = 64;
+const SMALLER: usize = 8;
 
 /// How drawings are morphed.
 #[derive(Debug, Clone)]
@@ -128,6 +134,33 @@ pub struct Piece {
 /// Two drawings with what is between them, prepared.
 pub struct Figure {
     couples: Vec<Couple>,
+}
+
+/// A place and a size for a speck near a place, clear of other specks and of the border.
+fn apart(region: &Region, at: DVec2, size: f64, taken: &[(DVec2, f64)]) -> (DVec2, f64) {
+    let clear = |place: DVec2, size: f64| {
+        taken
+            .iter()
+            .all(|(other, theirs)| place.distance(*other) > 2.0 * (size + theirs))
+    };
+    let mut own = size;
+    for _ in 0..SMALLER {
+        for turn in 0..TURNS {
+            // A spiral of seeds: each a golden angle on from the last.
+            let radius = 2.0 * own * f64::from(turn).sqrt();
+            let angle = f64::from(turn) * 2.399_963_229_728_653;
+            let (sin, cos) = anamorph_core::math::sin_cos(angle);
+            let place = at + radius * DVec2::new(cos, sin);
+            let inside = turn == 0
+                || (crate::shapes::contains(region, place)
+                    && ROOM * clearance(region, place) >= own);
+            if inside && clear(place, own) {
+                return (place, own);
+            }
+        }
+        own *= 0.3;
+    }
+    (at, own)
 }
 
 /// A small copy of a ring about a place.
@@ -250,8 +283,8 @@ fn with_points(
         let size = region.area().abs().sqrt();
         (options.simplification * size).max(f64::MIN_POSITIVE)
     });
-    let rings = |a: &[DVec2], b: &[DVec2], anchors: &[Anchor]| {
-        let found = match_outlines(a, b, anchors, &options.weights)?;
+    let rings = |a: &[DVec2], b: &[DVec2], places: Option<&Places>, anchors: &[Anchor]| {
+        let found = match_placed(a, b, places, anchors, &options.weights)?;
         let mut consistent = found.consistent(a, b, &options.thinning)?;
         if simplify {
             let fewer = simplified(&consistent, nearness);
@@ -264,7 +297,7 @@ fn with_points(
         }
         Ok(consistent)
     };
-    let outer = rings(&source.outer, &target.outer, anchors)?;
+    let outer = rings(&source.outer, &target.outer, None, anchors)?;
     let holes = pair_holes(source, target, &outer);
     let mut regions = [Region::default(), Region::default()];
     let mut specks = [Vec::new(), Vec::new()];
@@ -273,10 +306,13 @@ fn with_points(
         whole.min(ROOM * clearance(region, at))
     };
     for [a, b] in &holes.pairs {
-        let both = rings(&source.holes[*a], &target.holes[*b], &[])?;
+        let (a, b) = (&source.holes[*a], &target.holes[*b]);
+        let both = rings(a, b, Some(&places_of_holes(a, b, &outer)), &[])?;
         regions[0].holes.push(both.source);
         regions[1].holes.push(both.target);
     }
+    // Specks that are there already.
+    let mut taken = [Vec::new(), Vec::new()];
     // A hole of one side, and the side that has none like it.
     let closing = holes
         .closing
@@ -288,14 +324,57 @@ fn with_points(
         .map(|opening| (opening, target, source, 0));
     for (opening, from, into, side) in closing.chain(opening) {
         let ring = &from.holes[opening.hole];
-        let small = speck(ring, opening.at, size(into, opening.at));
+        let (at, small) = apart(into, opening.at, size(into, opening.at), &taken[side]);
+        taken[side].push((at, small));
+        let small = speck(ring, at, small);
+        let both = Consistent {
+            source: ring.clone(),
+            target: small,
+            places: Vec::new(),
+        };
+        let own = nearness[1 - side];
+        let fewer = simplified(&both, [own, f64::INFINITY]);
+        let keep = simplify && fewer.source.len() >= 6;
+        let Consistent {
+            source: ring,
+            target: small,
+            ..
+        } = if keep { fewer } else { both };
         specks[side].push(regions[side].holes.len() + 1);
         regions[side].holes.push(small);
-        regions[1 - side].holes.push(ring.clone());
+        regions[1 - side].holes.push(ring);
     }
     regions[0].outer = outer.source;
     regions[1].outer = outer.target;
     Ok(Matched { regions, specks })
+}
+
+/// Where the points of two holes are in both outlines, so that holes are matched as the outlines around them are.
+fn places_of_holes(source: &[DVec2], target: &[DVec2], outer: &Consistent) -> Places {
+    let unit = |ring: &[DVec2], places: Vec<DVec2>| -> Vec<DVec2> {
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for p in ring {
+            (low, high) = (low.min(*p), high.max(*p));
+        }
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        places.iter().map(|p| (*p - middle) / half).collect()
+    };
+    let there = source
+        .iter()
+        .map(|p| carry(&outer.source, &outer.target, *p));
+    let back = target
+        .iter()
+        .map(|p| carry(&outer.target, &outer.source, *p));
+    Places {
+        source: [
+            unit(&outer.source, source.to_vec()),
+            unit(&outer.target, there.collect()),
+        ],
+        target: [
+            unit(&outer.source, back.collect()),
+            unit(&outer.target, target.to_vec()),
+        ],
+    }
 }
 
 /// A region small enough not to be seen, of the form of another.

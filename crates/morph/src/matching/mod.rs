@@ -271,6 +271,30 @@ pub fn match_outlines(
     anchors: &[Anchor],
     weights: &Weights,
 ) -> Result<Matching, MatchError> {
+    match_placed(source, target, None, anchors, weights)
+}
+
+/// Where the points of both outlines are, in units of about half the size of what they belong to.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Places {
+    /// The points of the source outline, in the source and in the target.
+    pub source: [Vec<DVec2>; 2],
+    /// Those of the target outline, in the source and in the target.
+    pub target: [Vec<DVec2>; 2],
+}
+
+/// Matches two closed outlines, such as those of holes, that have places in something larger; [`Weights::placed`] weighs these, not those in their
+/// own boxes. Lists of other lengths than the outlines' count as none.
+///
+/// # Errors
+/// [`MatchError`].
+pub fn match_placed(
+    source: &[DVec2],
+    target: &[DVec2],
+    places: Option<&Places>,
+    anchors: &[Anchor],
+    weights: &Weights,
+) -> Result<Matching, MatchError> {
     let least = [
         ("stretching", weights.stretching, f64::MIN_POSITIVE),
         ("bending", weights.bending, 0.0),
@@ -283,10 +307,14 @@ pub fn match_outlines(
             return Err(MatchError::Weight { name, value });
         }
     }
-    let outlines = [
+    let mut outlines = [
         Outline::new(source, Side::Source)?,
         Outline::new(target, Side::Target)?,
     ];
+    if let Some(places) = places {
+        let [source, target] = outlines;
+        outlines = [source.placed(&places.source), target.placed(&places.target)];
+    }
     if outlines[0].positive() != outlines[1].positive() {
         return Err(MatchError::Opposite);
     }

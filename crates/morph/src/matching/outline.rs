@@ -20,8 +20,8 @@ const DISTANCES: [f64; 4] = [0.01, 0.03, 0.08, 0.2];
 /// How much each of them counts.
 const SHARES: [f64; 4] = [0.2, 0.35, 0.3, 0.15];
 
-/// How many numbers describe a place: turning over [`DISTANCES`], the direction itself, and the place in the box.
-pub(super) const FEATURES: usize = DISTANCES.len() + 4;
+/// How many numbers describe a place: turning over [`DISTANCES`], the direction itself, and the place in two boxes.
+pub(super) const FEATURES: usize = DISTANCES.len() + 6;
 
 /// An outline with area relative to its length squared below this is none.
 const LEAST_AREA: f64 = 1e-12;
@@ -30,8 +30,8 @@ const LEAST_AREA: f64 = 1e-12;
 #[derive(Debug, Clone)]
 pub(super) struct Outline<'a> {
     points: &'a [DVec2],
-    /// The same from −1 to 1 in the box around them.
-    boxed: Vec<DVec2>,
+    /// The same from −1 to 1 in the box around them, or where they are in the source and in the target.
+    places: [Vec<DVec2>; 2],
     /// Where each point is, from 0; behind the last one 1.
     at: Vec<f64>,
     /// The direction of each edge, in radians, followed from the first without jumps.
@@ -84,7 +84,7 @@ impl<'a> Outline<'a> {
         }
         let half = (0.5 * (high - low)).max(DVec2::splat(f64::MIN_POSITIVE));
         let boxed = local.iter().map(|p| (*p - 0.5 * (low + high)) / half);
-        let boxed = boxed.collect();
+        let boxed: Vec<DVec2> = boxed.collect();
         let mut at = Vec::with_capacity(count + 1);
         let mut length = 0.0;
         for i in 0..count {
@@ -134,13 +134,22 @@ impl<'a> Outline<'a> {
         integral.push(sum);
         Ok(Self {
             points,
-            boxed,
+            places: [boxed.clone(), boxed],
             at,
             directions,
             integral,
             turning,
             area,
         })
+    }
+
+    /// With other places than those in its own box.
+    pub(super) fn placed(mut self, places: &[Vec<DVec2>; 2]) -> Self {
+        let fit = |list: &Vec<DVec2>| list.len() == self.points.len();
+        if places.iter().all(fit) {
+            self.places = places.clone();
+        }
+        self
     }
 
     /// Whether its area is positive.
@@ -227,15 +236,18 @@ impl<'a> Outline<'a> {
             let mean = (self.integral(at + r) - self.integral(at - r)) / (2.0 * r);
             let (sin, cos) = math::sin_cos((mean + self.directions[0]) % TAU);
             let weight = weights.upright.sqrt();
-            features[FEATURES - 4] = (cos * weight) as f32;
-            features[FEATURES - 3] = (sin * weight) as f32;
+            features[FEATURES - 6] = (cos * weight) as f32;
+            features[FEATURES - 5] = (sin * weight) as f32;
         }
         if weights.placed > 0.0 {
             let RingPlace { index, fraction } = self.place(at);
-            let next = self.boxed[(index + 1) % self.count()];
-            let place = self.boxed[index].lerp(next, fraction) * weights.placed.sqrt();
-            features[FEATURES - 2] = place.x as f32;
-            features[FEATURES - 1] = place.y as f32;
+            let next = (index + 1) % self.count();
+            let weight = (0.5 * weights.placed).sqrt();
+            for (k, places) in self.places.iter().enumerate() {
+                let place = places[index].lerp(places[next], fraction) * weight;
+                features[FEATURES - 4 + 2 * k] = place.x as f32;
+                features[FEATURES - 3 + 2 * k] = place.y as f32;
+            }
         }
         features
     }

@@ -21,6 +21,7 @@ mod pairing;
 pub use crossings::{Crossing, crossings};
 pub use inside::{clearance, contains, mean_value_weights};
 pub use mend::{FillRule, GRID_BITS, Mended, Ring, Shape, ShapeError};
+pub(crate) use pairing::carry;
 pub use pairing::{HolePairing, Opening, Part, PartPairing, Pieces, pair_holes, pair_parts};
 
 use anamorph_core::glam::DVec2;

@@ -361,8 +361,8 @@ pub fn pair_holes(source: &Region, target: &Region, outlines: &Consistent) -> Ho
     pairing
 }
 
-/// Where a place in one ring comes to be in another, point to point.
-fn carry(from: &[DVec2], to: &[DVec2], place: DVec2) -> DVec2 {
+/// Where a place in one ring comes to be in another, point to point, by mean value coordinates (Floater 2003).
+pub(crate) fn carry(from: &[DVec2], to: &[DVec2], place: DVec2) -> DVec2 {
     let weights = mean_value_weights(from, place);
     weights.map_or(place, |weights| {
         to.iter().zip(weights).map(|(p, weight)| *p * weight).sum()

@@ -16,6 +16,14 @@ use anamorph_solvers::SolverError;
 /// The barrier in units of the energy, of an element of mean size.
 const STIFFNESS: f64 = 1e-2;
 
+/// The barrier at each guard, as strong as what may push against it: energies grow with the square of strains.
+fn stiffness(shares: &[f64], full: &[Strain]) -> Vec<f64> {
+    let strong = |s: &Strain| 1.0 + s.x * s.x + s.y * s.y + 0.5 * s.shear * s.shear;
+    let each = shares.iter().zip(full);
+    each.map(|(share, full)| STIFFNESS * share * strong(full))
+        .collect()
+}
+
 /// A domain that strains are measured from.
 #[derive(Debug, Clone)]
 pub(crate) struct Domain {
@@ -243,8 +251,8 @@ impl Body {
             domains,
             corners,
             guards,
+            stiffness: stiffness(&shares, &guarded),
             guarded,
-            stiffness: shares.iter().map(|share| STIFFNESS * share).collect(),
             shares,
             system,
             stitching,

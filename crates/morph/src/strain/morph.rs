@@ -313,7 +313,8 @@ impl StrainMorph {
             return Ok(());
         }
         // From where nothing is turned over, near to what is wanted.
-        if self.untangle(body, room, t, way)? {
+        let untangled = self.untangle(body, room, t, way)?;
+        if untangled && body.smallest_determinant(&room.positions).0 > 0.0 {
             if self.at_once(body, room, search, way)? {
                 return Ok(());
             }
