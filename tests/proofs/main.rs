@@ -9,6 +9,7 @@ mod framework;
 mod lattices;
 mod lines;
 mod multilevel;
+mod pairs;
 mod planes;
 mod radial;
 mod scodef;

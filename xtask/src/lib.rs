@@ -6,6 +6,7 @@
 //! | `cargo xtask tidy` | the rules of the house that no compiler checks: floors, documented plug-ins, licences of fixtures and others ([`mod@tidy`]) |
 //! | `cargo xtask bench [--quick] [FILTER…]` | measures, and writes `docs/benchmarks.md` with ratios inside the run ([`mod@bench`]) |
 //! | `cargo xtask gallery` | draws every warp, and refreshes `docs/gallery.md` and its pictures ([`mod@gallery`]) |
+//! | `cargo xtask pairs [--jumps] [FILE…]` | morphs all pairs of shapes, and prints how good each is ([`mod@pairs`]) |
 //! | `cargo xtask validate [FILE…]` | the Khronos validator on glTF models before and after a twist ([`mod@validate`]) |
 //!
 //! Without a chore, or with an unknown one, it prints its usage and exits with 2; a chore that fails exits with 1.
@@ -23,6 +24,7 @@
 pub mod bench;
 pub mod document;
 pub mod gallery;
+pub mod pairs;
 pub mod test;
 pub mod tidy;
 pub mod validate;
@@ -36,6 +38,7 @@ pub const CHORES: &[Chore] = &[
     tidy::CHORE,
     bench::CHORE,
     gallery::CHORE,
+    pairs::CHORE,
     validate::CHORE,
 ];
 

@@ -377,11 +377,11 @@ pub(crate) fn constrained(
     let mut inside = vec![false; all.len()];
     let mut todo: Vec<usize> = Vec::new();
     for edge in &closed {
-        if let Some(&number) = sides.get(edge) {
-            if !inside[number] {
-                inside[number] = true;
-                todo.push(number);
-            }
+        if let Some(&number) = sides.get(edge)
+            && !inside[number]
+        {
+            inside[number] = true;
+            todo.push(number);
         }
     }
     while let Some(number) = todo.pop() {
@@ -391,11 +391,11 @@ pub(crate) fn constrained(
             if closed.contains(&edge) {
                 continue;
             }
-            if let Some(&next) = sides.get(&[edge[1], edge[0]]) {
-                if !inside[next] {
-                    inside[next] = true;
-                    todo.push(next);
-                }
+            if let Some(&next) = sides.get(&[edge[1], edge[0]])
+                && !inside[next]
+            {
+                inside[next] = true;
+                todo.push(next);
             }
         }
     }

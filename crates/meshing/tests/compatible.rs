@@ -5,7 +5,7 @@
 
 use anamorph_core::glam::{DVec2, dvec2};
 use anamorph_meshing::compatible::{
-    CompatibleError, CompatibleOptions, CompatiblePair, PairFault, compatible,
+    CompatibleError, CompatibleOptions, CompatiblePair, PairFault, PairQuality, compatible,
 };
 use anamorph_meshing::planar::{Fineness, Region, RegionError, area, triangulate};
 
@@ -87,6 +87,24 @@ fn check(source: &Region, target: &Region) -> CompatiblePair {
         }
     }
     assert!(pair.triangles.len() < 16 * source.len(), "{quality:?}");
+    // As it was laid over each other it is valid, too.
+    let raw = CompatibleOptions {
+        improve: false,
+        ..CompatibleOptions::default()
+    };
+    let raw = compatible(source, target, &[], &raw).unwrap();
+    let before = raw.check().unwrap();
+    assert_eq!(raw.triangles.len(), pair.overlaid);
+    let least = |q: &PairQuality| q.smallest_angle[0].min(q.smallest_angle[1]);
+    assert!(least(&quality) >= least(&before), "{before:?} {quality:?}");
+    for region in [(&pair.source, source), (&pair.target, target)] {
+        let areas = pair
+            .triangles
+            .iter()
+            .map(|t| area(&t.map(|i| region.0[i as usize])));
+        let largest = areas.fold(0.0, f64::max) / region.1.area();
+        assert!(largest < 0.0101, "{largest}");
+    }
     pair
 }
 
@@ -160,6 +178,40 @@ fn inner_points_are_met() {
         compatible(&square, &square, &outside, &CompatibleOptions::default()),
         Err(CompatibleError::Inner { point: 0, .. })
     ));
+}
+
+#[test]
+fn holes_are_joined_however_they_lie() {
+    // In another order in the target, so that paths have to go round.
+    let places = |turn: f64| -> Vec<(DVec2, f64)> {
+        let angle = |i: usize| turn + core::f64::consts::TAU * i as f64 / 5.0;
+        let at = |i: usize| dvec2(1.5, 1.0) + 0.6 * DVec2::from_angle(angle(i));
+        (0..5).map(|i| (at(i), 0.15)).collect()
+    };
+    for turn in [0.3, 1.5, 3.0] {
+        check(&holed(&places(0.0)), &holed(&places(turn)));
+    }
+    // Three corners only, and as many holes.
+    let triangle = |k: f64| -> Vec<DVec2> {
+        [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]
+            .iter()
+            .map(|&p| DVec2::from(p) * k)
+            .collect()
+    };
+    let sheet = |at: [f64; 3]| Region {
+        outer: along(&SHEET, 4),
+        holes: at
+            .iter()
+            .map(|x| triangle(0.3).iter().map(|p| *p + dvec2(*x, 0.8)).collect())
+            .collect(),
+    };
+    let pair = compatible(
+        &sheet([0.3, 1.0, 2.0]),
+        &sheet([0.5, 1.4, 2.4]),
+        &[],
+        &CompatibleOptions::default(),
+    );
+    pair.unwrap().check().unwrap();
 }
 
 #[test]

@@ -69,7 +69,7 @@ pub const HOUSE: &[Row] = &[
     row("transforms", 1, &[Free("core"), Optional("catalog")]),
     row("curves", 1, &[Free("core")]),
     row("solvers", 0, &[]),
-    row("meshing", 1, &[Free("core"), Free("solvers")]),
+    row("meshing", 1, &[Free("core")]),
     row("raster", 1, &[Free("core")]),
     row(
         "warps",

@@ -90,7 +90,7 @@ pub(super) fn cut_open(
     let mut disks = Vec::new();
     for side in points.iter() {
         let triangles = constrained(side, &border, &paths)?;
-        match unrolled(triangles, &border, &paths) {
+        match unrolled(&triangles, &border, &paths) {
             Some(disk) => disks.push(disk),
             None => return Ok(None),
         }
@@ -228,7 +228,7 @@ fn subdivide(way: &mut Vec<DVec2>, [from, to]: [DVec2; 2], count: usize) {
 
 /// The border of a triangulation that is cut along paths, by points, and its triangles by places in it.
 fn unrolled(
-    triangles: Vec<[u32; 3]>,
+    triangles: &[[u32; 3]],
     border: &[[usize; 2]],
     paths: &[[usize; 2]],
 ) -> Option<(Vec<u32>, Vec<[u32; 3]>)> {

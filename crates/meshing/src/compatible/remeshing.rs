@@ -60,7 +60,7 @@ pub(super) fn improve(mesh: &mut Mesh, largest: f64) {
 fn energy(corners: [DVec2; 3]) -> f64 {
     let [a, b, c] = corners;
     let twice = orientation(a, b, c);
-    if !(twice > 0.0) {
+    if twice <= 0.0 || twice.is_nan() {
         return f64::INFINITY;
     }
     let lengths = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
@@ -111,8 +111,8 @@ impl Work {
     fn into(self, mesh: &mut Mesh) {
         let alive: Vec<_> = self.triangles.iter().filter(|t| **t != DEAD).collect();
         let mut numbers = vec![u32::MAX; self.places[0].len()];
-        for number in 0..self.fixed {
-            numbers[number] = number as u32;
+        for (number, own) in (0..).zip(&mut numbers[..self.fixed]) {
+            *own = number;
         }
         let mut count = self.fixed as u32;
         let [from, to] = &self.places;

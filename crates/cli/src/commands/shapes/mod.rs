@@ -32,8 +32,6 @@ use std::path::PathBuf;
 
 /// Frames of a step if nothing is said.
 const FRAMES: usize = 25;
-/// What is taken where strain fields come to no end, and no scheme was asked for.
-const INSTEAD: &str = "as-rigid-as-possible";
 
 /// Whether the inputs are shapes.
 pub(crate) fn are_shapes(options: &MorphOptions) -> bool {
@@ -213,7 +211,7 @@ fn morph(options: &MorphOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What all frames show, on all cores, and the steps that it is of; by another method where strain fields come to no end, and no scheme was asked for.
+/// What all frames show, on all cores, and the steps that it is of.
 fn all_frames<T: Send>(
     options: &MorphOptions,
     sources: &Sources,
@@ -239,21 +237,8 @@ fn all_frames<T: Send>(
         Failure::new(format!("{from} and {to}: {error}"))
     };
     let steps = sources.steps(method)?;
-    match all(&steps) {
-        Err((step, error @ strain::FrameError::Stalled { .. }))
-            if options.between.scheme.is_none() =>
-        {
-            say!(
-                "  note: {} and {}: {error}; all is drawn by `{INSTEAD}` instead",
-                inputs[step].name,
-                inputs[step + 1].name
-            );
-            let instead = strain::method(INSTEAD).map_err(Failure::new)?;
-            let steps = sources.steps(&instead)?;
-            Ok((all(&steps).map_err(failed)?, steps))
-        }
-        other => Ok((other.map_err(failed)?, steps)),
-    }
+    let drawn = all(&steps).map_err(failed)?;
+    Ok((drawn, steps))
 }
 
 /// Says what was made.

@@ -99,6 +99,7 @@ fn couple_quality(couple: &anamorph_morph::figures::Couple) -> Value {
         Ok(quality) => json!({
             "points": quality.points,
             "triangles": quality.triangles,
+            "triangles_of_overlay": couple.mesh.overlaid,
             "smallest_angle_source": quality.smallest_angle[0],
             "smallest_angle_target": quality.smallest_angle[1],
         }),
@@ -124,6 +125,8 @@ fn of_method(found: &metrics::MorphMetrics) -> Value {
                 "boundary_crossings": frame.crossings,
                 "smallest_angle": frame.smallest_angle.to_degrees(),
                 "newton_steps": frame.steps,
+                "held_up": frame.held_up,
+                "unfinished": frame.unfinished,
             })
         })
         .collect();
