@@ -10,6 +10,7 @@ mod motions;
 mod page;
 mod plots;
 mod scenes;
+mod shapes;
 
 use crate::arguments::GalleryOptions;
 use crate::commands::promises::{Promises, promises};
@@ -166,7 +167,7 @@ pub(crate) fn run(options: &GalleryOptions) -> Result<(), Failure> {
 
 fn draw(options: &GalleryOptions, index: &Path, markdown: &Path) -> Result<(), Failure> {
     let scenes: usize = PARTS.iter().map(|part| part.scenes.len()).sum();
-    let count = scenes + motions::SCENES.len() + images::SCENES.len();
+    let count = scenes + motions::SCENES.len() + images::SCENES.len() + shapes::SCENES.len();
     let progress = Progress::new("drawing", count, options.quiet);
     let mut files = Vec::new();
     let mut parts = Vec::new();
@@ -197,13 +198,21 @@ fn draw(options: &GalleryOptions, index: &Path, markdown: &Path) -> Result<(), F
         pixels.push(images::show(scene, options, &mut files)?);
         progress.add(1);
     }
+    let mut between = Vec::new();
+    for scene in shapes::SCENES {
+        between.push(shapes::show(scene, options, &mut files)?);
+        progress.add(1);
+    }
     drop(progress);
-    let mut pages = vec![(index.to_owned(), page::html(&parts, &pixels, &moving))];
+    let mut pages = vec![(
+        index.to_owned(),
+        page::html(&parts, &pixels, &between, &moving),
+    )];
     if options.markdown {
         pages.extend([
             (
                 markdown.to_owned(),
-                page::markdown(&parts, &pixels, &moving),
+                page::markdown(&parts, &pixels, &between, &moving),
             ),
             (options.out.join("curves.md"), lengths::markdown()),
             (options.out.join("images/arc-length.svg"), lengths::svg()),

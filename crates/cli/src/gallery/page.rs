@@ -2,7 +2,7 @@
 
 use super::plots::plot;
 use super::scenes::Part;
-use super::{Promised, Shown, curves, images, motions};
+use super::{Promised, Shown, curves, images, motions, shapes};
 use anamorph_fields::FALLOFFS;
 use std::fmt::Write;
 
@@ -178,6 +178,7 @@ const ORIENTATIONS: &str = "Every orientation on the same path: forward blue, up
 pub(super) fn html(
     parts: &[(&Part, Vec<Shown>)],
     pixels: &[images::Shown],
+    between: &[shapes::Shown],
     moving: &[motions::Shown],
 ) -> String {
     let mut html = String::from(
@@ -239,6 +240,12 @@ pub(super) fn html(
     );
     let _ = write!(
         html,
+        "<section id=\"shapes\"><h2>Shapes</h2><p class=\"about\">{}</p>\n{}</section>\n",
+        escape(shapes::ABOUT),
+        shapes::html(between)
+    );
+    let _ = write!(
+        html,
         "<section id=\"motions\"><h2>Motions</h2><p class=\"about\">{}</p>\n{}</section>\n</main>\n",
         escape(motions::ABOUT),
         motions::html(moving)
@@ -256,6 +263,7 @@ pub(super) fn html(
 pub(super) fn markdown(
     parts: &[(&Part, Vec<Shown>)],
     pixels: &[images::Shown],
+    between: &[shapes::Shown],
     moving: &[motions::Shown],
 ) -> String {
     let mut text = format!(
@@ -285,6 +293,7 @@ pub(super) fn markdown(
         }
     }
     text.push_str(&images::markdown(pixels));
+    text.push_str(&shapes::markdown(between));
     text.push_str(&motions::markdown(moving));
     text
 }
