@@ -21,7 +21,7 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Warp models by a recipe
     Warp(Box<WarpOptions>),
-    /// Turn images into one another, or draw what is between
+    /// Turn images or shapes into one another, or draw what is between
     Morph(Box<MorphOptions>),
     /// Make one triangulation of two shapes
     Mesh(Box<MeshOptions>),
@@ -201,7 +201,7 @@ pub(crate) struct ImageOptions {
     pub motion_vectors: Option<PathBuf>,
 }
 
-/// Turn images into one another, or draw what is between.
+/// Turn images or shapes into one another, or draw what is between.
 ///
 /// Features stand on each image: those of a recipe (sources on the first image, targets on the second), or landmarks. Both images are
 /// drawn with the features half way, or however far, and one dissolves into the other.

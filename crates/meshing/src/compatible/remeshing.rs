@@ -29,7 +29,7 @@ const BAD: [f64; 4] = [190.0, 1e3, 1e4, 1e5];
 /// What each triangle costs, so that there are few.
 const EACH: f64 = 20.0;
 /// Passes in which large triangles are split.
-const PASSES: usize = 8;
+const PASSES: usize = 16;
 /// Rounds end where one lowers the energy by less than this share.
 const GAIN: f64 = 2e-3;
 
@@ -381,7 +381,7 @@ impl Work {
         let alive = self.triangles.iter().filter(|t| **t != DEAD);
         let alive: Vec<[u32; 3]> = alive.copied().collect();
         let whole = [0, 1].map(|side| alive.iter().map(|t| area(self, side, *t)).sum::<f64>());
-        for _ in 0..PASSES {
+        for pass in 0..PASSES {
             let mut count = 0;
             for number in 0..self.triangles.len() as u32 {
                 let t = self.triangles[number as usize];
@@ -397,7 +397,10 @@ impl Work {
             if count == 0 {
                 break;
             }
-            self.relax(SWEEPS);
+            // Moving points makes triangles even, and some larger again: not in the last passes.
+            if pass < PASSES / 2 {
+                self.relax(SWEEPS);
+            }
         }
     }
 
@@ -417,14 +420,21 @@ impl Work {
         count
     }
 
-    /// Splits the edge of a triangle that is longest in one of the meshes. Whether it could be split.
+    /// Splits the inner edge of a triangle that is longest in one of the meshes. Whether there was one.
     fn split_longest(&mut self, number: u32, side: usize) -> bool {
         let t = self.triangles[number as usize];
         let length = |i: usize| {
             let ends = [t[i], t[(i + 1) % 3]].map(|i| self.places[side][i as usize]);
             ends[0].distance_squared(ends[1])
         };
-        let longest = (1..3).fold(0, |best, i| if length(i) > length(best) { i } else { best });
+        let inner = (0..3).filter(|&i| self.side(t[(i + 1) % 3], t[i]).is_some());
+        let longest = inner.fold(None, |best: Option<usize>, i| match best {
+            Some(best) if length(best) >= length(i) => Some(best),
+            _ => Some(i),
+        });
+        let Some(longest) = longest else {
+            return false;
+        };
         let [a, b, c] = [0, 1, 2].map(|i| t[(longest + i) % 3]);
         let Some((other, d)) = self.side(b, a) else {
             return false;
