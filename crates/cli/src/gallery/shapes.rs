@@ -43,7 +43,7 @@ pub(super) const SCENES: &[Scene] = &[
     Scene {
         name: "shape-strains",
         title: "Strains of the bar over time",
-        about: "Strain along the bar of a triangle at its side: of points that go straight it turns back, of the strain field it goes one way.",
+        about: "Strain along the bar of a triangle near its end: of points that go straight it turns back, of the strain field it goes one way.",
         credit: "made here",
         draw: strains,
     },
@@ -294,8 +294,8 @@ fn strains() -> Result<Figure, Failure> {
             .map_err(Failure::new)?;
         let times: Vec<f64> = (0..=60).map(|i| f64::from(i) / 60.0).collect();
         let frames = between.frames(&times).map_err(Failure::new)?;
-        // In the middle of the bar, at its side.
-        let series = StrainSeries::new(&pair, 2 * BAR + 2, &frames)
+        // Near the end of the bar, at its outer side.
+        let series = StrainSeries::new(&pair, 10, &frames)
             .ok_or_else(|| Failure::new("gallery: the bar has no such triangle"))?;
         curves.push((label, ink, series));
     }
@@ -444,10 +444,15 @@ fn letters() -> Result<Figure, Failure> {
         &shape!("letter-B.json")[..],
         &shape!("letter-C.json")[..],
     ];
-    Ok(strip(&[
+    let mut rows = [
         ("", frames(a, b, &[0.0, 0.2, 0.5, 0.8, 1.0], false)?),
         ("", frames(b, c, &[0.0, 0.2, 0.5, 0.8, 1.0], false)?),
-    ]))
+    ];
+    // Thousands of lines would hide the outlines.
+    for sheet in rows.iter_mut().flat_map(|(_, sheets)| sheets) {
+        sheet.mesh.clear();
+    }
+    Ok(strip(&rows))
 }
 
 fn animals() -> Result<Figure, Failure> {
