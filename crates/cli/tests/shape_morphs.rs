@@ -5,6 +5,7 @@
 
 mod common;
 
+use anamorph_io::images::{ImageFile, ImageLimits};
 use anamorph_io::outlines;
 use common::{Folder, Run};
 
@@ -161,4 +162,127 @@ fn what_cannot_be_is_refused_and_nothing_written() {
         assert!(run.err.contains(says), "{arguments:?}: {}", run.err);
         assert!(!folder.path().join("x.svg").exists());
     }
+}
+
+fn fixture(name: &str) -> String {
+    format!(
+        "{}/../../tests/fixtures/shapes/{name}",
+        env!("CARGO_MANIFEST_DIR")
+    )
+}
+
+#[test]
+fn metrics_are_those_of_what_is_drawn() {
+    let folder = folder();
+    let [a, b] = ["letter-A.json", "letter-B.json"].map(fixture);
+    folder
+        .run(&[
+            "morph",
+            &a,
+            &b,
+            "--at",
+            "0.5",
+            "-o",
+            "x.obj",
+            "--metrics",
+            "m.json",
+            "-q",
+        ])
+        .done();
+    let metrics: serde_json::Value = serde_json::from_slice(&folder.read("m.json")).unwrap();
+    for couple in metrics["morphs"].as_array().unwrap() {
+        assert!(couple["mesh"]["triangles_of_overlay"].as_u64().unwrap() > 0);
+        for method in couple["methods"].as_array().unwrap() {
+            let name = method["method"].as_str().unwrap();
+            if name != "vertex-linear" && name != "as-rigid-as-possible" {
+                assert_eq!(method["flips"], 0, "{name}: {}", method["error"]);
+                assert!(method["frames"][10]["unfinished"].is_u64());
+            }
+        }
+    }
+    // Nothing is flat in the file, either.
+    let text = String::from_utf8(folder.read("x.obj")).unwrap();
+    let (mut points, mut count) = (Vec::new(), 0);
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let mut number = || words.next().unwrap().parse::<f64>().unwrap();
+                points.push([number(), number()]);
+            }
+            Some("f") => {
+                let number = |word: &str| word.split('/').next().unwrap().parse::<usize>().unwrap();
+                let [p, q, r]: [[f64; 2]; 3] = words
+                    .map(|word| points[number(word) - 1])
+                    .collect::<Vec<_>>()
+                    .try_into()
+                    .unwrap();
+                let twice = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+                assert!(twice > 0.0, "{line}");
+                count += 1;
+            }
+            _ => {}
+        }
+    }
+    assert!(count > 100);
+}
+
+#[test]
+fn what_lies_over_itself_is_filled_and_holes_stay_open() {
+    let folder = folder();
+    folder
+        .run(&[
+            "morph",
+            "ring.json",
+            "ring.json",
+            "--at",
+            "0.5",
+            "-o",
+            "x.svg",
+            "-q",
+        ])
+        .done();
+    assert!(
+        !String::from_utf8(folder.read("x.svg"))
+            .unwrap()
+            .contains("evenodd")
+    );
+    folder
+        .run(&[
+            "morph",
+            "ring.json",
+            "ring.json",
+            "--at",
+            "0.5",
+            "-o",
+            "x.png",
+            "-q",
+        ])
+        .done();
+    let image = ImageFile::read(&folder.read("x.png"), ImageLimits::of_file(1 << 20)).unwrap();
+    let raster = image.colours().unwrap();
+    let at = |x: usize, y: usize| raster.samples()[(y * raster.width() + x) * raster.channels()];
+    let (wide, high) = (raster.width(), raster.height());
+    assert!(at(wide / 2, high / 2) > 0.9, "the hole");
+    assert!(at(wide / 4, high / 2) < 0.1, "the ring");
+}
+
+#[test]
+fn results_of_one_name_and_files_that_are_not_there_are_refused_at_once() {
+    let folder = folder();
+    folder
+        .run(&[
+            "morph",
+            "bar.svg",
+            "bent.svg",
+            "-o",
+            "x.svg",
+            "--matching",
+            "x.svg",
+        ])
+        .failed(2, &["x.svg", "two results"]);
+    assert!(!folder.path().join("x.svg").exists());
+    folder
+        .run(&["morph", "none.svg", "nothing.svg", "-o", "x.svg"])
+        .failed(1, &["none.svg"]);
 }

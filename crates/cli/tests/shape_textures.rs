@@ -234,22 +234,7 @@ fn what_holds_no_pixels_is_refused() {
             ],
             "none.png",
         ),
-        (
-            &[
-                "morph",
-                "bar.svg",
-                "bent.svg",
-                "--texture",
-                "a.png",
-                "b.png",
-                "--at",
-                "0",
-                "-o",
-                "a.png",
-                "-f",
-            ],
-            "replace",
-        ),
+        (&with(&["--at", "0", "-o", "a.png", "-f"])[..], "replace"),
         (
             &[
                 "morph",

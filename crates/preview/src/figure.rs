@@ -132,7 +132,7 @@ impl Figure {
         }
     }
 
-    /// What an odd number of outlines with straight edges go around.
+    /// What outlines with straight edges go around; holes go the other way round. What lies over itself is filled.
     pub fn region(&mut self, rings: &[Vec<[f64; 2]>], ink: Ink) {
         if !rings.is_empty() && rings.iter().all(|ring| finite(ring)) {
             self.items.push(Item::Area {
@@ -267,7 +267,7 @@ impl Item {
                     let paths: String = rings.iter().map(path).collect();
                     writeln!(
                         out,
-                        "<path d=\"{paths}\" fill-rule=\"evenodd\" fill=\"{}\"{}/>",
+                        "<path d=\"{paths}\" fill-rule=\"nonzero\" fill=\"{}\"{}/>",
                         ink.hex(),
                         opacity("fill", *ink)
                     )
@@ -348,7 +348,7 @@ impl Item {
             }
             Self::Area { rings, ink } => {
                 if let Some(path) = along(rings, true) {
-                    pixels.fill_path(&path, &paint(*ink), FillRule::EvenOdd, here, None);
+                    pixels.fill_path(&path, &paint(*ink), FillRule::Winding, here, None);
                 }
             }
             Self::Disc {

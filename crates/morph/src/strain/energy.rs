@@ -267,6 +267,19 @@ pub(crate) struct Sums<'a> {
     pub(crate) values: &'a mut [f64],
 }
 
+impl<'a> Sums<'a> {
+    /// Nothing added up yet.
+    pub(crate) fn cleared(gradient: &'a mut [DVec2], values: &'a mut [f64]) -> Self {
+        gradient.fill(DVec2::ZERO);
+        values.fill(0.0);
+        Self {
+            energy: 0.0,
+            gradient,
+            values,
+        }
+    }
+}
+
 /// Four entries for each pair of vertices of an element, the later first.
 pub(crate) const fn stride(vertices: usize) -> usize {
     2 * vertices * (vertices + 1)

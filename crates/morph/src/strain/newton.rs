@@ -194,13 +194,7 @@ fn assemble(body: &Body, room: &mut Room, search: Search, curvature: Curvature) 
         thresholds,
         ..
     } = room;
-    gradient.fill(DVec2::ZERO);
-    values.fill(0.0);
-    let mut sums = Sums {
-        energy: 0.0,
-        gradient,
-        values,
-    };
+    let mut sums = Sums::cleared(gradient, values);
     let places = &body.system.places;
     for (domain, wanted) in body.domains.iter().zip(&*wanted) {
         let term = StrainTerm {
@@ -579,13 +573,7 @@ pub(crate) fn untangle(
             values,
             ..
         } = room;
-        gradient.fill(DVec2::ZERO);
-        values.fill(0.0);
-        let mut sums = Sums {
-            energy: 0.0,
-            gradient,
-            values,
-        };
+        let mut sums = Sums::cleared(gradient, values);
         let places = &body.system.places;
         body.guards
             .assemble(&term, positions, Curvature::Positive, places, &mut sums);

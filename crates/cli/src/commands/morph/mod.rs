@@ -53,6 +53,13 @@ pub(crate) fn run(options: &MorphOptions) -> Result<(), Failure> {
             "a morph goes from one image or shape to another; name two or more",
         ));
     }
+    // A file that is not there is said before what would be asked of it; names of series stand for others.
+    let lost = |path: &&PathBuf| {
+        !files::is_stream(path) && !path.exists() && !path.to_string_lossy().contains('%')
+    };
+    if let Some(path) = options.images.iter().find(lost) {
+        files::read(path)?;
+    }
     if options.recipe.is_empty() && options.landmarks.is_empty() {
         return Err(Failure::usage(
             "images are matched by landmarks, -l/--landmarks A.json B.json, or by the features of a recipe, -r/--recipe",

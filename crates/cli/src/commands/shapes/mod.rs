@@ -139,8 +139,19 @@ fn morph(options: &MorphOptions) -> Result<(), Failure> {
         plots::check(path)?;
     }
     let beside = [&between.metrics, &between.matching, &between.strain_plot];
-    for path in beside.into_iter().flatten() {
+    let results: Vec<&PathBuf> = beside.into_iter().flatten().collect();
+    for (number, path) in results.iter().enumerate() {
         files::refuse_existing(path, options.force)?;
+        let others = results[..number].iter().copied().chain([&options.output]);
+        if others
+            .into_iter()
+            .any(|other| files::identity(other) == files::identity(path))
+        {
+            return Err(Failure::usage(format!(
+                "{}: two results have this name; choose another for one",
+                path.display()
+            )));
+        }
     }
     if let Some(output) = &output {
         output.check(options)?;
@@ -342,7 +353,8 @@ impl Step {
         for piece in self.figure.at(t)? {
             let [a, b] = self.fills[piece.couple];
             let mut part = Part::of_rings("", mix_fill(a, b, t), piece.rings);
-            part.rule = Rule::EvenOdd;
+            // Holes go the other way round; what comes to lie over itself is filled.
+            part.rule = Rule::NonZero;
             drawing.parts[piece.couple] = part;
         }
         Ok(drawing)

@@ -16,6 +16,9 @@ use std::path::{Path, PathBuf};
 /// Pixels of the longer side of pictures if nothing is said.
 const SIZE: f64 = 512.0;
 
+/// Further decimal places of the points of meshes.
+const FINER: u8 = 8;
+
 /// The form of a single file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -220,7 +223,9 @@ fn one(
                 fill: None,
                 rate: 24.0,
             };
-            let written = frames.write_obj(0, rounding, out);
+            // What is thin must not become flat.
+            let fine = Rounding::places(rounding.decimals() + FINER);
+            let written = frames.write_obj(0, fine, out);
             written.map(|_| ()).map_err(Failure::new)
         }
     })
